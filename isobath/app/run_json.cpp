@@ -1,5 +1,6 @@
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/run_json.hpp>
+#include <isobath/report/corner_fix_text.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/placement_pages.hpp>
 #include <isobath/report/result_text.hpp>
@@ -78,6 +79,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
                     {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
                     {"voxels", outcome.voxels ? voxels_json(*outcome.voxels) : ordered_json()},
                     {"sphere", outcome.sphere ? sphere_json(*outcome.sphere) : ordered_json()},
+                    {"corner_fix", outcome.corner_fix ? corner_fix_json(*outcome.corner_fix) : ordered_json()},
                     {"sharpness", outcome.sharpness ? sharpness_json(*outcome.sharpness) : ordered_json()},
                     {"drift", outcome.drift ? drift_json(*outcome.drift) : ordered_json()},
                     {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},

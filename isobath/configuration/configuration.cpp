@@ -20,6 +20,7 @@ std::vector<Section> sections(Configuration& c) {
       {"voxels", "The voxel map, of sonars with a fan of beams.", fields(c.voxels)},
       {"sphere", "The spherical grid: echoes by direction and range around the vehicle.", fields(c.sphere)},
       {"scan", "How a scanning sonar is steered, where the program commands it.", fields(c.scan)},
+      {"corner_fix", "Whether corners of charted walls correct the position.", fields(c.corner_fix)},
       {"fans", "How echo decisions change the voxel map.", fields(c.voxels.fans)},
       {"depth_map", "The depth map that ranges and soundings make.", fields(c.depth_map)},
       {"prior", "What a new depth map starts from.", fields(c.prior)},

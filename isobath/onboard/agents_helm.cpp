@@ -140,6 +140,12 @@ void AgentsHelm::on_scan(const ScanResult& scan) {
   executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map), jumped_}, now());
 }
 
+void AgentsHelm::on_decision(Decision decision) {
+  const std::lock_guard lock(mutex_);
+  decision.time = now();
+  executor_->on_message(std::move(decision), now());
+}
+
 /// A map that the run does not have yet does not replace the chart.
 void AgentsHelm::on_world(const WorldSnapshot& world) {
   const std::lock_guard lock(mutex_);

@@ -23,6 +23,8 @@ class Helm : public ResultSink {
   /// height; at the interval of `chart_room.live_s` while the depth map grows; and at the end of each scan of the
   /// spherical grid with `chart_room.sphere`.
   virtual void on_world(const WorldSnapshot& /*world*/) {}
+  /// A decision that was not made by an agent: it goes to the other decisions. The helm sets its time.
+  virtual void on_decision(Decision /*decision*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;

@@ -31,6 +31,7 @@ Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, 
       voxels_(voxels_of(configuration, parts.voxels), std::move(parts.voxel_file)),
       sphere_(sphere_of(configuration, parts.sphere)),
       scan_steering_(configuration.scan),
+      corner_fixes_(configuration.corner_fix, configuration.sphere.mapper.contrast, std::move(parts.corners)),
       reach_m_(configuration.mission.space_route.reach_m),
       depths_interval_(seconds(configuration.mission.chart_room.live_s)),
       sphere_steers_(configuration.mission.chart_room.sphere),
@@ -45,25 +46,40 @@ void Onboard::on_event(Event event) {
   now_ = time_of(event);
   beside_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_event(event);
+  const std::optional<CornerMove> move = correct(event);
   const auto taken = Clock::now();
   beside_.enter(Stage::kAgents);
   if (helm_) {
     helm_->on_event(event);
+    if (move && move->surprises()) helm_->on_decision({{}, "corner fix", "position fix", to_text(*move)});
     times_->heard(Clock::now() - taken);
   }
   beside_.leave();
-  if (!mapping_) return map(std::move(event), taken);
+  if (!mapping_) return map(std::move(event), move, taken);
   mapping_->check();
   const auto kind = std::holds_alternative<Ping>(event) ? TaskThread::Kind::kPing : TaskThread::Kind::kNote;
-  mapping_->push(kind, [this, event = std::move(event), taken]() mutable { map(std::move(event), taken); });
+  mapping_->push(kind, [this, event = std::move(event), move, taken]() mutable { map(std::move(event), move, taken); });
 }
 
-void Onboard::map(Event event, Clock::time_point taken) {
+/// A fix gets the correction by charted corners. Returns the jump of the position by it.
+std::optional<CornerMove> Onboard::correct(Event& event) {
+  auto* fix = std::get_if<Navigation>(&event);
+  if (!fix) return std::nullopt;
+  const std::optional<CornerMove> move = corner_fixes_.correct(*fix);
+  for (OnboardObserver* observer : observers_) observer->on_fix(*fix);
+  return move;
+}
+
+void Onboard::map(Event event, const std::optional<CornerMove>& move, Clock::time_point taken) {
   const Time time = time_of(event);
   const bool is_ping = std::holds_alternative<Ping>(event);
   const std::uint64_t mapped = pipeline_.counts().pings;
   times_->begin(taken);
   const auto begun = Clock::now();
+  if (move) {
+    pipeline_.jump({move->by.x(), move->by.y(), 0});
+    corner_fixes_.follow(*move);
+  }
   pipeline_.on_event(std::move(event));
   if (is_ping || pipeline_.counts().pings > mapped) {
     ping_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begun).count());
@@ -148,6 +164,7 @@ void Onboard::on_ping(const PosedPing& ping) {
   load_.enter(Stage::kSphere);
   sphere_.update(ping);
   scan_steering_.on_ping(ping.ping);
+  corner_fixes_.on_ping(ping);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_ping(ping);
   times_->resume();
@@ -156,6 +173,7 @@ void Onboard::on_ping(const PosedPing& ping) {
 void Onboard::on_scan(const ScanResult& scan) {
   load_.enter(Stage::kSphere);
   sphere_.end_scan();
+  corner_fixes_.on_sweep(scan.posed);
   if (sphere_.grid()) {
     if (const auto command = scan_steering_.on_sweep(*sphere_.grid(), scan.detection.X_WB)) {
       const std::lock_guard lock(scan_mutex_);
@@ -202,6 +220,7 @@ void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {
 void Onboard::on_jump(const Eigen::Vector3d& by_W) {
   voxels_.move_along(by_W);
   sphere_.move_along(by_W);
+  corner_fixes_.on_jump(by_W);
   world_.voxels.reset();
   if (helm_) helm_->on_jump(by_W);
   for (OnboardObserver* observer : observers_) observer->on_jump(by_W);

@@ -2,7 +2,8 @@
 // agents (design, 3; ledger S6-57). `run`, `serve`, `eval`, live runs and tests all use this class. They differ in the
 // source of events, the receiver of set-points and the observers.
 //
-//   event -> observers -> helm -> gate, poses, echoes, maps -> helm (pings and scans) -> set-point
+//   event -> observers -> corner fixes (poses only) -> helm -> gate, poses, echoes, maps -> helm (pings and scans) ->
+//   set-point
 //
 //   Onboard onboard(configuration, depths, {.helm = &helm});
 //   onboard.show_to(recorder);
@@ -39,12 +40,13 @@
 namespace isobath {
 
 struct OnboardParts {
-  Helm* helm = nullptr;                    ///< must outlive Onboard; null: the vehicle is not steered
-  std::shared_ptr<StageTimes> times = {};  ///< the times that the agents of the helm report to; null: its own
-  std::filesystem::path voxel_file = {};   ///< file for voxels that leave memory, if so configured
-  bool voxels = true;                      ///< whether to keep a voxel map
-  bool sphere = true;                      ///< whether to keep a spherical grid, if the configuration asks for it
-  bool live = false;                       ///< gives mapping its own thread; the agents must then have theirs, too
+  Helm* helm = nullptr;                     ///< must outlive Onboard; null: the vehicle is not steered
+  std::shared_ptr<StageTimes> times = {};   ///< the times that the agents of the helm report to; null: its own
+  std::filesystem::path voxel_file = {};    ///< file for voxels that leave memory, if so configured
+  bool voxels = true;                       ///< whether to keep a voxel map
+  bool sphere = true;                       ///< whether to keep a spherical grid, if the configuration asks for it
+  std::vector<ChartedCorner> corners = {};  ///< of charted walls, for corner_fix
+  bool live = false;                        ///< gives mapping its own thread; the agents must then have theirs, too
 };
 
 class Onboard : private ResultSink {
@@ -71,6 +73,7 @@ class Onboard : private ResultSink {
   [[nodiscard]] const Pipeline& pipeline() const { return pipeline_; }
   [[nodiscard]] const VoxelModel& voxels() const { return voxels_; }
   [[nodiscard]] const SphericalModel& sphere() const { return sphere_; }
+  [[nodiscard]] const CornerNavigation& corner_fixes() const { return corner_fixes_; }
   [[nodiscard]] const DepthModel& depths() const { return depths_; }
   /// Live: pings that a full queue dropped.
   [[nodiscard]] std::uint64_t lost_pings() const { return mapping_ ? mapping_->left_out().pings : 0; }
@@ -83,7 +86,8 @@ class Onboard : private ResultSink {
 
  private:
   using Clock = StageTimes::Clock;
-  void map(Event event, Clock::time_point taken);
+  std::optional<CornerMove> correct(Event& event);
+  void map(Event event, const std::optional<CornerMove>& move, Clock::time_point taken);
   void tell_depths(Time time);
   void tell_sphere(Time time);
 
@@ -102,6 +106,7 @@ class Onboard : private ResultSink {
   VoxelModel voxels_;
   SphericalModel sphere_;
   ScanSteering scan_steering_;
+  CornerNavigation corner_fixes_;
   std::mutex scan_mutex_;
   std::optional<ScanCommand> scan_command_;  ///< guarded by scan_mutex_
   WorldSnapshot world_;                      ///< what the helm gets

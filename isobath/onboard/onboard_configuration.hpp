@@ -7,6 +7,7 @@
 #include <isobath/mission/command/agent_library.hpp>
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/safety/safety_config.hpp>
+#include <isobath/onboard/corner_navigation.hpp>
 #include <isobath/onboard/event_gate.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
 #include <isobath/onboard/scan_steering.hpp>
@@ -45,6 +46,7 @@ struct OnboardConfiguration : WorldConfiguration {
   ObstacleDetectorConfig obstacles;
   ImminentCollisionConfig collision;
   ScanSteeringConfig scan;
+  CornerNavigationConfig corner_fix;
   MissionConfig mission;
   SafetyConfig safety;
   ExecutorConfig executor;

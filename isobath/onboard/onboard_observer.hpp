@@ -1,8 +1,8 @@
 // OnboardObserver: receives all that happens on board: recorder, live page, scorer and report. It changes nothing.
 //
 // Onboard makes the same calls in every run (onboard.hpp), in the order in which things happen, to one observer after
-// the other. References are valid only during the call. In a live run the source thread calls on_event and on_setpoint,
-// and the mapping thread calls all others.
+// the other. References are valid only during the call. In a live run the source thread calls on_event, on_fix and
+// on_setpoint, and the mapping thread calls all others.
 #pragma once
 
 #include <isobath/event/event.hpp>
@@ -21,6 +21,9 @@ class OnboardObserver : public ResultSink {
  public:
   /// Called before anything on board receives the event.
   virtual void on_event(const Event& /*event*/) {}
+  /// A fix as everything on board receives it: with the correction by charted corners (corner_navigation.hpp). Called
+  /// after on_event with the fix of the source.
+  virtual void on_fix(const Navigation& /*fix*/) {}
   void on_ping(const PosedPing& /*ping*/) override {}
   void on_scan(const ScanResult& /*scan*/) override {}
   /// An event of this time has been mapped.

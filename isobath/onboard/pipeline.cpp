@@ -217,6 +217,11 @@ void Pipeline::add_fix(const Navigation& fix) {
   if (depths_) depths_->on_passage(fix.time, fix.X_WB);
 }
 
+void Pipeline::jump(const Eigen::Vector3d& by_W) {
+  poses_.move(by_W);
+  follow(by_W);
+}
+
 void Pipeline::follow(const Eigen::Vector3d& jump) {
   ++counts_.jumps;
   counts_.farthest_jump_m = std::max(counts_.farthest_jump_m, jump.norm());

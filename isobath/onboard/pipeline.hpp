@@ -84,6 +84,8 @@ class Pipeline {
   void end_learning();
 
   void on_event(Event event);
+  /// A jump that is known: the fixes from now on contain a correction of the position, m in W.
+  void jump(const Eigen::Vector3d& by_W);
   /// Reports the stage of its work to `load` from now on.
   void watch(StageCpuTime* load) { load_ = load; }
   /// Call after the last event: maps the pings that still wait for a fix, and reports the obstacles of the open sweep.

@@ -32,10 +32,7 @@ Eigen::Vector3d PoseBuffer::add(const Navigation& fix) {
   const Eigen::Vector3d jump = jump_to(fix);
   const Eigen::Vector3d moved = count_ > 0 ? fix.X_WB.translation - newest().X_WB.translation : jump;
   const double dt = count_ > 0 ? to_seconds(fix.time - newest().time) : 0;
-  if (!jump.isZero(0)) {
-    for (std::size_t age = 0; age < count_; ++age)
-      ring_[(next_ + kCapacity - 1 - age) % kCapacity].X_WB.translation += jump;
-  }
+  if (!jump.isZero(0)) move(jump);
   if (!fix.v_WB && moved.isZero(0)) {
     stood_s_ += dt;
   } else if (dt > 0) {
@@ -49,6 +46,11 @@ Eigen::Vector3d PoseBuffer::add(const Navigation& fix) {
   next_ = (next_ + 1) % kCapacity;
   count_ = std::min(count_ + 1, kCapacity);
   return jump;
+}
+
+void PoseBuffer::move(const Eigen::Vector3d& by_W) {
+  for (std::size_t age = 0; age < count_; ++age)
+    ring_[(next_ + kCapacity - 1 - age) % kCapacity].X_WB.translation += by_W;
 }
 
 void PoseBuffer::clear() {

@@ -39,6 +39,8 @@ class PoseBuffer {
 
   /// Fixes come in order of time. Returns the jump of the position, m in W; zero if there was none.
   Eigen::Vector3d add(const Navigation& fix);
+  /// Moves all fixes so far: the next ones contain a correction of the position, m in W.
+  void move(const Eigen::Vector3d& by_W);
   void clear();
   [[nodiscard]] bool empty() const { return count_ == 0; }
   /// Whether later fixes can no longer change the interpolated pose of this time.

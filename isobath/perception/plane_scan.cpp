@@ -14,9 +14,9 @@ void PlaneScan::sort() {
 Vector2d PlaneScan::point_towards(const PlaneEcho& echo, const Vector2d& nearest) const {
   const Vector2d& u = echo.axis;
   const double c = beam_width.cos_half, s = beam_width.sin_half;
-  if (u.dot(nearest) >= c) return from + echo.range_m * nearest;
+  if (u.dot(nearest) >= c) return from + echo.offset + echo.range_m * nearest;
   const double to = std::copysign(s, u.x() * nearest.y() - u.y() * nearest.x());
-  return from + echo.range_m * Vector2d(c * u.x() - to * u.y(), to * u.x() + c * u.y());
+  return from + echo.offset + echo.range_m * Vector2d(c * u.x() - to * u.y(), to * u.x() + c * u.y());
 }
 
 double PlaneScan::variance_along(const Vector2d& n, const PlaneEcho& echo) const {

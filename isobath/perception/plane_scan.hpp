@@ -25,10 +25,12 @@ inline Eigen::Vector2d plan_direction(Angle bearing) { return {cos(bearing), sin
 inline Angle plan_bearing(const Eigen::Vector2d& v) { return Angle::radians(std::atan2(v.y(), v.x())); }
 
 struct PlaneEcho {
-  PlaneEcho(Angle of_axis, double range) : bearing(of_axis), axis(plan_direction(of_axis)), range_m(range) {}
+  PlaneEcho(Angle of_axis, double range, const Eigen::Vector2d& off = Eigen::Vector2d::Zero())
+      : bearing(of_axis), axis(plan_direction(of_axis)), range_m(range), offset(off) {}
   Angle bearing;  ///< bearing of the beam's axis
   Eigen::Vector2d axis;
   double range_m;
+  Eigen::Vector2d offset;  ///< of the sonar from PlaneScan::from at this echo: a vehicle moves during a sweep
 };
 
 /// Full width of a beam, with the cosine and sine of its half, which each echo of each fit needs.
@@ -39,7 +41,7 @@ struct BeamWidth {
 };
 
 struct PlaneScan {
-  Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< the sonar
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< the sonar, but for the offset of each echo
   std::vector<PlaneEcho> echoes;                   ///< in order of bearing, 0 .. 360 degrees; see sort()
   BeamWidth beam_width{Angle::degrees(2.5)};
   Angle sigma = Angle::degrees(2.5 / 2.355);   ///< standard deviation of a bearing
@@ -48,7 +50,9 @@ struct PlaneScan {
   /// Wraps all bearings and sorts the echoes by bearing.
   void sort();
   [[nodiscard]] double range_sigma(double range_m) const { return std::max(sigma_m, sigma_share * range_m); }
-  [[nodiscard]] Eigen::Vector2d point(const PlaneEcho& echo) const { return from + echo.range_m * echo.axis; }
+  [[nodiscard]] Eigen::Vector2d point(const PlaneEcho& echo) const {
+    return from + echo.offset + echo.range_m * echo.axis;
+  }
   /// The point that echoed, if its surface is nearest in the direction `nearest`, a unit vector.
   [[nodiscard]] Eigen::Vector2d point_towards(const PlaneEcho& echo, const Eigen::Vector2d& nearest) const;
   /// Variance of a point along the unit vector n.

@@ -208,6 +208,10 @@ std::optional<PlaneCorner> corner_of(const PlaneLine& a, const PlaneLine& b, Ang
   const Vector2d variances(a.variance_at(a.along_of(corner.at)), b.variance_at(b.along_of(corner.at)));
   corner.covariance = inverse * variances.asDiagonal() * inverse.transpose();
   corner.convex = a.height_of(b.centre) < 0;
+  const auto away = [&](const PlaneLine& line) {
+    return Vector2d(std::copysign(1.0, -line.along_of(corner.at)) * line.along());
+  };
+  corner.along = {away(a), away(b)};
   return corner;
 }
 

@@ -14,6 +14,7 @@
 // 1.5 times as large as stated. Plan coordinates (north, east), m. Pure.
 #pragma once
 
+#include <array>
 #include <isobath/perception/plane_scan.hpp>
 #include <optional>
 #include <span>
@@ -55,6 +56,8 @@ struct PlaneCorner {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   bool convex = true;  ///< corner of a body; false: concave, the corner of a room
+  /// Unit vectors from the corner along its two faces.
+  std::array<Eigen::Vector2d, 2> along{Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()};
 };
 
 /// Fits at least two of the scan's echoes. `factors` multiply their weights (empty: 1 each). `about`: a line fitted to

@@ -115,9 +115,7 @@ SphericalMapper::Heard SphericalMapper::heard(const Ping& ping, const EchoDecisi
   Heard heard;
   std::optional<int> echo;
   if (config_.contrast > 0) {
-    echo = nearest_clear_echo(ping, decisions, beam, contrast_of_fan(config_.contrast, decisions.beams()));
-    const std::optional<int> dense = nearest_dense_echo(decisions, beam);
-    if (dense && (!echo || *dense < *echo)) echo = dense;
+    echo = nearest_sure_echo(ping, decisions, beam, contrast_of_fan(config_.contrast, decisions.beams()));
   }
   bool begun = false, gap = false;  // a gap is longer than a layer
   double told_to = 0;

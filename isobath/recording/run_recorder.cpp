@@ -99,11 +99,12 @@ void RunRecorder::locate(const GeoOrigin& origin) {
 }
 
 void RunRecorder::on_event(const Event& event) {
-  guarded([&] {
-    log_.write(event);
-    const auto* fix = std::get_if<Navigation>(&event);
-    if (foxglove_ && fix) foxglove_->on_fix(*fix);
-  });
+  guarded([&] { log_.write(event); });
+}
+
+void RunRecorder::on_fix(const Navigation& fix) {
+  if (!foxglove_) return;
+  guarded([&] { foxglove_->on_fix(fix); });
 }
 
 void RunRecorder::on_truth(const EchoTruth& echoes) {

@@ -64,6 +64,8 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
 
   // The run itself.
   void on_event(const Event& event);
+  /// A fix as everything on board receives it, for the channels of other viewers.
+  void on_fix(const Navigation& fix);
   void on_truth(const EchoTruth& echoes) override;
   void on_truth(const TrueMotion& motion) override;
   void on_ping(const PosedPing& ping) override;

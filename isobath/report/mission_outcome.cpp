@@ -53,6 +53,19 @@ std::optional<BelievedPlace> place_at(const MissionOutcome& outcome, Time time) 
   return *std::prev(after);
 }
 
+std::optional<NavigationError> navigation_error(const MissionOutcome& outcome) {
+  if (!outcome.truth) return std::nullopt;
+  std::optional<NavigationError> error;
+  for (const BelievedPlace& believed : outcome.believed) {
+    const std::optional<Eigen::Vector2d> truth = true_place_at(*outcome.truth, believed.time);
+    if (!truth) continue;
+    if (!error) error.emplace();
+    error->last_m = (believed.north_east - *truth).norm();
+    error->largest_m = std::max(error->largest_m, error->last_m);
+  }
+  return error;
+}
+
 ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
   const MissionReport& report = outcome.report;
   ordered_json json{
@@ -68,6 +81,10 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
                      {"nearest_body", truth->nearest_body},
                      {"least_altitude_m", number_json(truth->min_altitude_m)},
                      {"path_m", number_json(truth->length_m)}};
+    if (const auto error = navigation_error(outcome)) {
+      json["truth"]["navigation_error_last_m"] = number_json(error->last_m);
+      json["truth"]["navigation_error_largest_m"] = number_json(error->largest_m);
+    }
   }
   const ExecutorCounts& executor = outcome.executor;
   json["crew"] = {{"ticks", executor.ticks},

@@ -55,6 +55,13 @@ struct MissionOutcome {
 /// The estimated position at a time: the last one recorded by then.
 std::optional<BelievedPlace> place_at(const MissionOutcome& outcome, Time time);
 
+/// Distance of the estimated from the true position.
+struct NavigationError {
+  double last_m = 0, largest_m = 0;
+};
+/// Empty if the true track is unknown.
+std::optional<NavigationError> navigation_error(const MissionOutcome& outcome);
+
 /// The outcome without its decisions. `with_timings`: with times of a real clock, which differ from run to run.
 nlohmann::ordered_json mission_json(const MissionOutcome& outcome, bool with_timings);
 /// The text of mission.json.

@@ -202,6 +202,15 @@ std::string how_clear(const TrackTruth& truth) {
   return fmt::format("Minimum clearance {:.1f} m, to {}.", truth.min_clearance_m, truth.nearest_body);
 }
 
+/// "Minimum clearance 3.1 m, to the pile. 120 m travelled. Navigation error 0.3 m at the end, 0.9 m at most."
+std::string by_the_truth(const MissionOutcome& outcome) {
+  std::string text = fmt::format("{} {:.0f} m travelled.", how_clear(*outcome.truth), outcome.truth->length_m);
+  if (const auto error = navigation_error(outcome)) {
+    text += fmt::format(" Navigation error {:.2f} m at the end, {:.2f} m at most.", error->last_m, error->largest_m);
+  }
+  return text;
+}
+
 void legend(MissionPlot& plot, const MissionOutcome& outcome) {
   plot.north_arrow_and_scale();
   const bool true_way = outcome.truth && !outcome.truth->track.empty();
@@ -305,7 +314,7 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   page.heading("Mission");
   if (const std::string failure = outcome.failure(); !failure.empty()) page.warning("Failed: " + failure + ".");
   std::string lead = how_it_ended(outcome);
-  if (outcome.truth) lead += fmt::format(" {} {:.0f} m travelled.", how_clear(*outcome.truth), outcome.truth->length_m);
+  if (outcome.truth) lead += " " + by_the_truth(outcome);
   page.paragraph(lead);
   if (!outcome.report.why.empty()) page.paragraph(outcome.report.why);
   if (!pictures.chart.empty()) {
@@ -325,9 +334,7 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
 
 std::vector<std::string> mission_summary(const MissionOutcome& outcome) {
   std::vector<std::string> lines{how_it_ended(outcome)};
-  if (outcome.truth) {
-    lines.push_back(fmt::format("{} {:.0f} m travelled.", how_clear(*outcome.truth), outcome.truth->length_m));
-  }
+  if (outcome.truth) lines.push_back(by_the_truth(outcome));
   if (outcome.recorded) {
     lines.push_back(
         fmt::format("{} of {} decisions equal those of the recorded run.", outcome.as_recorded, *outcome.recorded));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <isobath/onboard/corner_navigation.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/report/depth_outcome.hpp>
@@ -41,21 +42,22 @@ struct RunOutcome {
   Time started;                                   ///< time of the first event
   double log_s = 0;                               ///< from there to the last event
   RunTimings timings;
-  std::vector<Obstacle> obstacles;           ///< at the end
-  std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
-  std::optional<TruthScore> truth;           ///< simulated runs only, but not live ones
-  std::optional<DepthOutcome> depth;         ///< if ranges or soundings had a position
-  std::optional<VoxelOutcome> voxels;        ///< if there is a voxel map
-  std::optional<SphericalOutcome> sphere;    ///< if there is a spherical grid
-  std::optional<Sharpness> sharpness;        ///< if a fan moved while it detected something; not in simulated runs
-  std::optional<DriftOutcome> drift;         ///< if there is a reference track
-  std::optional<MissionOutcome> mission;     ///< if there was a mission
-  std::optional<FanDeparture> fan;           ///< if sensor.model names a fan model and pings were decided by it
-  std::optional<LiveOutcome> live;           ///< live runs only
-  std::string map_holds;                     ///< why the map stays as it is: it already holds this log; else empty
-  std::string recording_problem;             ///< why the recording ends before the run does; empty: it does not
-  std::uint64_t not_recorded = 0;            ///< what came after that
-  std::string undecided;                     ///< why the last ping had no decisions; empty: it had
+  std::vector<Obstacle> obstacles;             ///< at the end
+  std::vector<std::filesystem::path> files;    ///< written, relative to the folder, in order
+  std::optional<TruthScore> truth;             ///< simulated runs only, but not live ones
+  std::optional<DepthOutcome> depth;           ///< if ranges or soundings had a position
+  std::optional<VoxelOutcome> voxels;          ///< if there is a voxel map
+  std::optional<SphericalOutcome> sphere;      ///< if there is a spherical grid
+  std::optional<CornerFixOutcome> corner_fix;  ///< if the configuration asks for fixes by charted corners
+  std::optional<Sharpness> sharpness;          ///< if a fan moved while it detected something; not in simulated runs
+  std::optional<DriftOutcome> drift;           ///< if there is a reference track
+  std::optional<MissionOutcome> mission;       ///< if there was a mission
+  std::optional<FanDeparture> fan;             ///< if sensor.model names a fan model and pings were decided by it
+  std::optional<LiveOutcome> live;             ///< live runs only
+  std::string map_holds;                       ///< why the map stays as it is: it already holds this log; else empty
+  std::string recording_problem;               ///< why the recording ends before the run does; empty: it does not
+  std::uint64_t not_recorded = 0;              ///< what came after that
+  std::string undecided;                       ///< why the last ping had no decisions; empty: it had
   /// One line if the input itself is wrong (cut in the middle of a record, poses that are not numbers, time that runs
   /// backwards); empty if it is not. The usable part of the input was used.
   std::string problem;

@@ -37,11 +37,14 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   Simulator& simulator = source.simulator();
   DepthModel depths(configuration, {});
   depths.locate(source.report().origin);
-  if (!configuration.prior.file.empty()) depths.set_prior_files({configuration.prior.file});
+  std::vector<std::string> priors;
+  if (!configuration.prior.file.empty()) priors.push_back(configuration.prior.file);
+  depths.set_prior_files(priors);
   Onboard onboard(configuration, depths,
                   {.helm = &helm,
                    .voxels = tells_height(simulator.scene()),
                    .sphere = configuration.mission.chart_room.sphere || configuration.scan.on,
+                   .corners = charted_corners({}, priors, configuration, source.report().origin),
                    .live = request.live});
   for (OnboardObserver* observer : request.observers) onboard.show_to(*observer);
   GroundTruthTrajectory truth(simulator);
@@ -66,6 +69,7 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
           helm.decisions(),
           helm.progress(),
           onboard.pipeline().counts(),
+          onboard.corner_fixes().outcome(),
           simulator.now_s(),
           judge ? judge->score() : TruthScore{},
           source.at_the_link() ? source.at_the_link()->answers() : std::vector<OperatorAnswer>{}};

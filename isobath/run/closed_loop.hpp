@@ -8,6 +8,7 @@
 
 #include <isobath/configuration/configuration.hpp>
 #include <isobath/mission/plan/mission_plan.hpp>
+#include <isobath/onboard/corner_navigation.hpp>
 #include <isobath/onboard/helm.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
 #include <isobath/onboard/pipeline.hpp>
@@ -36,6 +37,7 @@ struct LoopResult : TrackTruth {
   std::vector<Decision> decisions;
   MissionReport report;
   PipelineCounts counts;
+  CornerFixOutcome corner_fix;          ///< without any fix if the configuration asks for none
   double duration_s = 0;                ///< simulated
   TruthScore sight;                     ///< how well the bodies were detected; if `judge`
   std::vector<OperatorAnswer> answers;  ///< received by the operator, if there is one

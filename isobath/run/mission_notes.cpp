@@ -7,11 +7,10 @@ constexpr Duration kBelievedInterval = std::chrono::milliseconds(95);  // ten a 
 
 }  // namespace
 
-void MissionNotes::on_event(const Event& event) {
-  const auto* fix = std::get_if<Navigation>(&event);
-  if (!fix || !fix->X_WB.is_finite()) return;
-  if (!believed_.empty() && fix->time - believed_.back().time < kBelievedInterval) return;
-  believed_.push_back({fix->time, fix->X_WB.translation.head<2>(), fix->X_WB.translation.z()});
+void MissionNotes::on_fix(const Navigation& fix) {
+  if (!fix.X_WB.is_finite()) return;
+  if (!believed_.empty() && fix.time - believed_.back().time < kBelievedInterval) return;
+  believed_.push_back({fix.time, fix.X_WB.translation.head<2>(), fix.X_WB.translation.z()});
 }
 
 void MissionNotes::on_scan(const ScanResult& scan) {

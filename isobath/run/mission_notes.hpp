@@ -12,7 +12,7 @@ namespace isobath {
 
 class MissionNotes : public OnboardObserver {
  public:
-  void on_event(const Event& event) override;
+  void on_fix(const Navigation& fix) override;
   void on_scan(const ScanResult& scan) override;
   /// Every message of the agents.
   void on_message(const Envelope& envelope);

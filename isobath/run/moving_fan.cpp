@@ -12,10 +12,9 @@ MovingFan::MovingFan(const ObstacleMemoryConfig& memory, PoseTimeline reference)
 }
 
 /// The agents take the deviation of the position from the same place (AgentsHelm).
-void MovingFan::on_event(const Event& event) {
-  const auto* const fix = std::get_if<Navigation>(&event);
-  if (!fix || !fix->covariance) return;
-  sigma_m_ = std::sqrt(std::max(0.0, (*fix->covariance)(0, 0) + (*fix->covariance)(1, 1)) / 2);
+void MovingFan::on_fix(const Navigation& fix) {
+  if (!fix.covariance) return;
+  sigma_m_ = std::sqrt(std::max(0.0, (*fix.covariance)(0, 0) + (*fix.covariance)(1, 1)) / 2);
 }
 
 void MovingFan::on_ping(const PosedPing& ping) { detections_.add(ping); }

@@ -18,7 +18,7 @@ class MovingFan final : public OnboardObserver {
   /// `reference`: empty: there is none.
   MovingFan(const ObstacleMemoryConfig& memory, PoseTimeline reference);
 
-  void on_event(const Event& event) override;
+  void on_fix(const Navigation& fix) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;

@@ -156,6 +156,7 @@ Run::Run(const RunRequest& asked)
                {.helm = helm_.get(),
                 .times = times_,
                 .voxel_file = request_.out / "voxels.sqlite",
+                .corners = charted_corners(request_.map, priors_, request_.configuration, input_.origin()),
                 .live = request_.live_speed.has_value()}) {
   depths_.set_prior_files(priors_);
   invite_observers();
@@ -251,6 +252,7 @@ RunOutcome Run::outcome() {
     fan_->add_to(outcome);
     if (outcome.sharpness) folder_.show_placement(fan_->view(outcome));
   }
+  if (request_.configuration.corner_fix.on) outcome.corner_fix = onboard_.corner_fixes().outcome();
   if (onboard_.sphere().grid()) outcome.sphere = onboard_.sphere().outcome(vehicle_radius_m());
   folder_.write(request_, onboard_, outcome);
   return outcome;

@@ -92,7 +92,14 @@ void RunDisplay::show_event(const Event& event, const std::optional<GeoOrigin>& 
     if (origin) recorder_->locate(*origin);
     recorder_->on_event(event);
   }
-  display_->on_event(event);
+  if (!std::holds_alternative<Navigation>(event)) display_->on_event(event);
+}
+
+void RunDisplay::on_fix(const Navigation& fix) { post(Kind::kNote, &RunDisplay::show_fix, fix); }
+
+void RunDisplay::show_fix(const Navigation& fix) {
+  if (recorder_) recorder_->on_fix(fix);
+  display_->on_event(fix);
 }
 
 void RunDisplay::on_truth(const EchoTruth& echoes) {

@@ -8,9 +8,9 @@
 //   display.finish(last);
 //
 // In a sequential run every call does its work at once. In a live run several threads call: the source thread
-// (on_event, take, on_setpoint, wants_scene, show, sample), the mapping thread (all other on_*) and the agents' threads
-// (on_message). Each call then copies its arguments and posts them to a TaskThread, the display thread, so that no
-// caller waits. Only voxels are encoded by the mapping thread, one eighth of the changed blocks per call.
+// (on_event, on_fix, take, on_setpoint, wants_scene, show, sample), the mapping thread (all other on_*) and the agents'
+// threads (on_message). Each call then copies its arguments and posts them to a TaskThread, the display thread, so that
+// no caller waits. Only voxels are encoded by the mapping thread, one eighth of the changed blocks per call.
 #pragma once
 
 #include <isobath/base/task_thread.hpp>
@@ -45,6 +45,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
 
   // Called by the source thread.
   void on_event(const Event& event) override;
+  void on_fix(const Navigation& fix) override;
   void on_truth(const EchoTruth& echoes) override;
   void on_truth(const TrueMotion& motion) override;
   void on_setpoint(Time time, const Setpoint& setpoint) override;
@@ -93,6 +94,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   }
   // The posted work.
   void show_event(const Event& event, const std::optional<GeoOrigin>& origin);
+  void show_fix(const Navigation& fix);
   void show_ping(const PosedPing& ping);
   void show_vertical_ping(const PosedPing& ping);
   void show_scan(const ScanResult& scan);

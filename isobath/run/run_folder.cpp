@@ -9,6 +9,7 @@
 #include <isobath/io/gdal/geotiff.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/onboard/onboard.hpp>
+#include <isobath/report/corner_fix_text.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/report_sections.hpp>
@@ -66,6 +67,7 @@ void add_warnings(HtmlReport& page, const RunOutcome& outcome) {
   if (!outcome.warning.empty()) page.warning(outcome.warning);
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
+  if (outcome.corner_fix) page.paragraph(sentence(corner_fix_text(*outcome.corner_fix)) + ".");
   if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
   if (outcome.counts.pings > 0 && outcome.counts.unposed == outcome.counts.pings) {
     page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");

@@ -1,7 +1,20 @@
+#include <algorithm>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <utility>
 
 namespace isobath {
+
+std::optional<Eigen::Vector2d> true_place_at(const TrackTruth& truth, Time time) {
+  const auto after = std::lower_bound(truth.track.begin(), truth.track.end(), time,
+                                      [](const TrueMotion& motion, Time t) { return motion.time < t; });
+  if (after == truth.track.end()) return std::nullopt;
+  const Eigen::Vector2d to = after->state.X_WB.translation.head<2>();
+  if (after->time == time) return to;
+  if (after == truth.track.begin()) return std::nullopt;
+  const TrueMotion& before = *std::prev(after);
+  const Eigen::Vector2d from = before.state.X_WB.translation.head<2>();
+  return from + to_seconds(time - before.time) / to_seconds(after->time - before.time) * (to - from);
+}
 
 std::vector<TrueBody> outlines_of(const World& world) {
   std::vector<TrueBody> outlines;

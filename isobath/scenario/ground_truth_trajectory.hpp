@@ -10,6 +10,7 @@
 #include <isobath/geometry/polygon.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct TrackTruth {
   double min_altitude_m = std::numeric_limits<double>::infinity();  ///< minimum of the keel above the bottom
   double length_m = 0;                                              ///< length of the track in plan
 };
+
+/// True north and east of the vehicle at a time, between two instants of the track; empty outside it.
+std::optional<Eigen::Vector2d> true_place_at(const TrackTruth& truth, Time time);
 
 /// The outline in W of a true body, or of one pylon of a row.
 struct TrueBody {

@@ -11,12 +11,22 @@ WorldSnapshot chart(const StoredMap& map, std::vector<ChartObstacle> objects) {
   return {snapshot_of(map), std::make_shared<const std::vector<ChartObstacle>>(std::move(objects))};
 }
 
+std::optional<MapFeatures> features_of(const StoredMap& map, const std::filesystem::path& folder) {
+  const std::filesystem::path objects = folder / "objects.sqlite";
+  if (!std::filesystem::exists(objects)) return std::nullopt;
+  return load_features(ObjectStore(objects), map.facts.area);
+}
+
 WorldSnapshot of_map(const std::filesystem::path& folder) {
   const StoredMap map = open_map(folder);
-  const std::filesystem::path objects = folder / "objects.sqlite";
-  if (!std::filesystem::exists(objects)) return chart(map, {});
-  const MapFeatures features = load_features(ObjectStore(objects), map.facts.area);
-  return chart(map, obstacles_near(features, box_of(map.facts.area), 0));
+  const std::optional<MapFeatures> features = features_of(map, folder);
+  if (!features) return chart(map, {});
+  return chart(map, obstacles_near(*features, box_of(map.facts.area), 0));
+}
+
+DepthPrior prior_of(const std::vector<std::string>& priors, const Configuration& configuration, const DepthArea& area,
+                    const GeoOrigin& origin) {
+  return read_depth_prior(priors, configuration.prior, configuration.depth, area, origin);
 }
 
 }  // namespace
@@ -27,8 +37,19 @@ WorldSnapshot chart_of(const std::filesystem::path& map, const std::vector<std::
   if (priors.empty() || !origin) return {};
   MapFacts facts;
   facts.area = area_of(configuration.depth_map);
-  const DepthPrior prior = read_depth_prior(priors, configuration.prior, configuration.depth, facts.area, origin);
+  const DepthPrior prior = prior_of(priors, configuration, facts.area, *origin);
   return chart({facts, prior.trees(facts.area.levels), {}}, obstacles_of(prior.files));
+}
+
+std::vector<ChartedCorner> charted_corners(const std::filesystem::path& map, const std::vector<std::string>& priors,
+                                           const Configuration& configuration, const std::optional<GeoOrigin>& origin) {
+  if (!configuration.corner_fix.on) return {};
+  if (!map.empty() && looks_like_map(map)) {
+    const std::optional<MapFeatures> features = features_of(open_map(map), map);
+    return corners_of(features ? walls_of(*features) : std::vector<ChartedWall>{});
+  }
+  if (priors.empty() || !origin) return {};
+  return corners_of(walls_of(prior_of(priors, configuration, area_of(configuration.depth_map), *origin).files));
 }
 
 WorldSnapshot chart_of(const Scenario& scenario, const Configuration& configuration) {

@@ -22,6 +22,11 @@ WorldSnapshot chart_of(const std::filesystem::path& map, const std::vector<std::
 /// The chart made from the prior that the configuration, or else the scenario, names.
 WorldSnapshot chart_of(const Scenario& scenario, const Configuration& configuration);
 
+/// The corners of walls that the same chart shows. Empty if the configuration asks for no fixes by them
+/// (corner_fix.on).
+std::vector<ChartedCorner> charted_corners(const std::filesystem::path& map, const std::vector<std::string>& priors,
+                                           const Configuration& configuration, const std::optional<GeoOrigin>& origin);
+
 /// The mission, the vehicle and the chart of a scenario. Throws Error if its vehicle file or its prior cannot be used.
 MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration = {});
 

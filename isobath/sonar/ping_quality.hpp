@@ -45,6 +45,8 @@ std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& dec
 /// Page 1954). It finds what does not stand out from a beam, such as walls and their multiples that fill most of it.
 /// Costs a few operations for each decision for an echo.
 std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam);
+/// The nearer of the two; empty: there is neither.
+std::optional<int> nearest_sure_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast);
 /// The contrast at which all beams of a fan together have no more false echoes than one beam has at `contrast`.
 double contrast_of_fan(double contrast, int beams);
 

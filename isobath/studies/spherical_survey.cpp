@@ -153,7 +153,7 @@ class DriftingNavigation {
     believed_.covariance += grown * Eigen::Matrix2d::Identity();
   }
   /// Corrects the position by the corners of a scan that was made from it.
-  void fix(const PlaneScan& scan, const std::vector<Vector2d>& charted) {
+  void fix(const PlaneScan& scan, const std::vector<ChartedCorner>& charted) {
     std::vector<PlaneCorner> seen;
     for (const ScanCorner& corner : shapes_of(scan).corners) seen.push_back(corner);
     const auto fix = corner_fix(believed_, seen, charted);
@@ -176,21 +176,11 @@ class DriftingNavigation {
   SurveyNavigation& kept_;
 };
 
-/// Where two straight walls of the section meet.
-std::vector<Vector2d> corners_of(const PlaneSection& section) {
-  constexpr double kSame_m = 1e-3;
-  std::vector<Vector2d> corners;
-  const auto& lines = section.lines();
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    for (std::size_t k = i + 1; k < lines.size(); ++k) {
-      for (const Vector2d& a : {lines[i].a, lines[i].b}) {
-        for (const Vector2d& b : {lines[k].a, lines[k].b}) {
-          if ((a - b).norm() < kSame_m) corners.push_back(a);
-        }
-      }
-    }
-  }
-  return corners;
+/// The corners of the section's straight walls.
+std::vector<ChartedCorner> corners_of(const PlaneSection& section) {
+  std::vector<ChartedWall> walls;
+  for (const SectionLine& line : section.lines()) walls.push_back({line.a, line.b});
+  return isobath::corners_of(walls);
 }
 
 /// The echoes of a scan in the order of its beams, as heard from a position.

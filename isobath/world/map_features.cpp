@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -34,6 +36,14 @@ std::vector<Vector2d> points_of(const std::string& text) {
   std::vector<Vector2d> points;
   for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) points.emplace_back(numbers[i], numbers[i + 1]);
   return points;
+}
+
+bool is_wall(const std::string& kind) {
+  constexpr std::array kWalls{PriorLineKind::kCoast, PriorLineKind::kStructure, PriorLineKind::kObstruction};
+  return std::any_of(kWalls.begin(), kWalls.end(), [&](PriorLineKind wall) { return kind == to_text(wall); });
+}
+void add_walls(const std::vector<Vector2d>& points, std::vector<ChartedWall>& walls) {
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) walls.push_back({points[i], points[i + 1]});
 }
 
 bool blocks(PriorPointKind kind) { return kind != PriorPointKind::kLand; }
@@ -142,6 +152,31 @@ std::vector<ChartObstacle> obstacles_near(const MapFeatures& features, const Eig
     obstacles.push_back(obstacle);
   }
   return obstacles;
+}
+
+std::vector<ChartedWall> walls_of(const MapFeatures& features) {
+  std::vector<ChartedWall> walls;
+  for (const MapFeatures::Line& line : features.lines) {
+    if (is_wall(line.kind)) add_walls(line.points, walls);
+  }
+  return walls;
+}
+
+std::vector<ChartedWall> walls_of(const std::vector<Prior>& priors) {
+  std::vector<ChartedWall> walls;
+  for (const Prior& prior : priors) {
+    for (const PriorLine& line : prior.lines) {
+      if (is_wall(to_text(line.kind))) add_walls(line.points, walls);
+    }
+    for (const PriorArea& area : prior.areas) {
+      if (area.kind != PriorAreaKind::kStructure && area.kind != PriorAreaKind::kObstruction) continue;
+      for (Polygon ring : area.rings) {
+        ring.push_back(ring.front());
+        add_walls(ring, walls);
+      }
+    }
+  }
+  return walls;
 }
 
 std::vector<ChartObstacle> obstacles_of(const std::vector<Prior>& priors) {

@@ -13,6 +13,7 @@
 #include <isobath/map/features/object_store.hpp>
 #include <isobath/map/features/pmr_quadtree.hpp>
 #include <isobath/map/features/pr_quadtree.hpp>
+#include <isobath/perception/corner_fix.hpp>
 #include <isobath/planning/traversability.hpp>
 #include <memory>
 #include <string>
@@ -53,6 +54,10 @@ MapFeatures load_features(const ObjectStore& store, const DepthArea& area);
 /// with `radius_m` of uncertainty around it. Only features near the window are examined (S1-25).
 std::vector<ChartObstacle> obstacles_near(const MapFeatures& features, const Eigen::AlignedBox2d& window,
                                           double radius_m);
+
+/// The straight parts of charted coast, structures and obstructions, for position fixes by their corners (S4-49).
+std::vector<ChartedWall> walls_of(const MapFeatures& features);
+std::vector<ChartedWall> walls_of(const std::vector<Prior>& priors);
 
 /// The obstacles of priors, without an object store.
 std::vector<ChartObstacle> obstacles_of(const std::vector<Prior>& priors);

@@ -134,6 +134,10 @@ TEST_F(JsonOutput, OfRun) {
   compare("run", {"run", scenario("charted_shoals"), "--out", folder_ / "shoals", "--map", folder_ / "map"});
   compare("run", {"run", fan_scene(), "--out", folder_ / "fan", "--set", "simulation.duration_s=10"});
   compare("run",
+          {"run", scenario("harbour_loop"), "--out", folder_ / "harbour", "--set", "corner_fix.on=true", "--set",
+           "simulation.duration_s=40"},
+          1);
+  compare("run",
           {"run", scenario("winnipesaukee"), "--out", folder_ / "lake", "--set", "depth_map.area_m=512", "--set",
            "simulation.duration_s=190"},
           1);

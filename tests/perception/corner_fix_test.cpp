@@ -21,12 +21,37 @@ PlaneCorner corner_at(const Vector2d& at, double sigma) {
   return corner;
 }
 
+/// Corners whose walls run north and east, as those of corner_at.
+template <std::size_t count>
+std::array<ChartedCorner, count> charted(const std::array<Vector2d, count>& places) {
+  std::array<ChartedCorner, count> corners;
+  for (std::size_t i = 0; i < count; ++i) corners[i] = {places[i], {Vector2d::UnitX(), Vector2d::UnitY()}};
+  return corners;
+}
+
+// ledger: S4-49
+TEST(CornerFix, CornersOfTheChartAreWhereItsWallsMeet) {
+  const std::array<ChartedWall, 7> walls{{{{0, 0}, {0, 10}},
+                                          {{0, 10}, {-8, 10}},
+                                          {{-8, 10}, {-16, 10.5}},  // nearly straight on
+                                          {{0, 0}, {1, 0}},         // too short
+                                          {{0, 10}, {0, 0}},        // drawn twice
+                                          {{30, 0}, {40, 0}},
+                                          {{40, 0.01}, {40, 9}}}};  // a gap
+  const auto corners = corners_of(walls);
+  ASSERT_EQ(corners.size(), 1u);
+  EXPECT_EQ(corners[0].at, Vector2d(0, 10));
+  EXPECT_NEAR(corners[0].along[0].dot(corners[0].along[1]), 0, 1e-12);
+  EXPECT_NEAR((corners[0].along[0] + corners[0].along[1] + Vector2d(1, 1)).norm(), 0, 1e-12);
+}
+
 // ledger: S4-49
 TEST(CornerFix, IsWhereChartAndSightAgree) {
   const PlanePosition believed{{10, 20}, Matrix2d::Identity()};
   const Vector2d error(0.6, -0.4);  // of the belief: what is seen is told off by as much
-  const std::array<Vector2d, 2> chart{Vector2d(14, 20), Vector2d(10, 30)};
-  const std::array<PlaneCorner, 2> seen{corner_at(chart[0] + error, 0.1), corner_at(chart[1] + error, 0.2)};
+  const std::array<Vector2d, 2> places{Vector2d(14, 20), Vector2d(10, 30)};
+  const auto chart = charted(places);
+  const std::array<PlaneCorner, 2> seen{corner_at(places[0] + error, 0.1), corner_at(places[1] + error, 0.2)};
   const auto fix = corner_fix(believed, seen, chart);
   ASSERT_TRUE(fix);
   EXPECT_EQ(fix->corners, 2);
@@ -41,12 +66,18 @@ TEST(CornerFix, IsWhereChartAndSightAgree) {
 // ledger: S4-49
 TEST(CornerFix, SaysNothingOfACornerThatFitsTwoPlacesOrNone) {
   const PlanePosition believed{{0, 0}, Matrix2d::Identity()};
-  const std::array<Vector2d, 2> chart{Vector2d(10, 0), Vector2d(11, 0)};
+  const auto chart = charted(std::array{Vector2d(10, 0), Vector2d(11, 0)});
   const std::array<PlaneCorner, 1> between{corner_at({10.4, 0}, 0.1)}, nowhere{corner_at({-8, 3}, 0.1)};
   EXPECT_FALSE(corner_fix(believed, between, chart));
   EXPECT_FALSE(corner_fix(believed, nowhere, chart));
   EXPECT_FALSE(corner_fix(believed, {}, chart));
-  EXPECT_TRUE(corner_fix({{0, 0}, 0.01 * Matrix2d::Identity()}, std::array{corner_at({10.1, 0}, 0.1)}, chart));
+  const PlanePosition sure{{0, 0}, 0.01 * Matrix2d::Identity()};
+  PlaneCorner corner = corner_at({10.1, 0}, 0.1);
+  EXPECT_TRUE(corner_fix(sure, std::array{corner}, chart));
+  std::swap(corner.along[0], corner.along[1]);
+  EXPECT_TRUE(corner_fix(sure, std::array{corner}, chart)) << "whichever face comes first";
+  corner.along[0] = -corner.along[0];
+  EXPECT_FALSE(corner_fix(sure, std::array{corner}, chart)) << "another corner of the same body";
 }
 
 /// Errors over three rounds of 69 m, as far as it believes and as it is.
@@ -56,9 +87,12 @@ struct Loop {
 };
 Loop go_round(bool with_fixes, std::uint64_t seed) {
   Random random(seed);
-  const std::array<Vector2d, 4> chart{Vector2d(-3, -4), Vector2d(-1, 4), Vector2d(6, 6), Vector2d(4, -2)};
+  const std::array<Vector2d, 4> places{Vector2d(-3, -4), Vector2d(-1, 4), Vector2d(6, 6), Vector2d(4, -2)};
   test::PlanRoom body;
-  for (std::size_t i = 0; i < 4; ++i) body.segments.push_back({chart[i], chart[(i + 1) % 4]});
+  std::vector<ChartedWall> walls;
+  for (std::size_t i = 0; i < 4; ++i) walls.push_back({places[i], places[(i + 1) % 4]});
+  for (const ChartedWall& wall : walls) body.segments.push_back({wall.a, wall.b});
+  const std::vector<ChartedCorner> chart = corners_of(walls);
   const double bias_bearing = random.uniform(0, 2 * std::numbers::pi);
   const Vector2d bias = 0.01 * Vector2d(std::cos(bias_bearing), std::sin(bias_bearing));  // 1 % of the way
   const auto place = [](int i) { return Vector2d(1.5 + 11 * std::cos(i * 0.2), 1 + 11 * std::sin(i * 0.2)); };
