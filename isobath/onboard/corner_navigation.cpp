@@ -34,6 +34,9 @@ std::vector<Field> fields(CornerNavigationConfig& c) {
       Field::real("drift_share", &c.drift_share, {0, 1}, "1",
                   "Standard deviation by which the position drifts, each axis, as a share of the way. A higher value "
                   "trusts the corners more and the navigation less."),
+      Field::real("drift_length_m", &c.drift_length_m, {1, 1e6}, "m",
+                  "Way over which the drift keeps its direction. A higher value trusts longer that it goes on as the "
+                  "last corners have shown."),
       Field::real("gate", &c.gate, {0.1, 10}, "1",
                   "Number of standard deviations within which a detected corner matches a charted one."),
       Field::real("max_move_m", &c.max_move_m, {0.01, 1000}, "m",
@@ -51,7 +54,10 @@ std::string to_text(const CornerMove& move) {
 
 CornerNavigation::CornerNavigation(const CornerNavigationConfig& config, double contrast,
                                    std::vector<ChartedCorner> charted)
-    : config_(config), contrast_(contrast), charted_(std::move(charted)) {
+    : config_(config),
+      contrast_(contrast),
+      charted_(std::move(charted)),
+      drift_(config.drift_share, config.drift_length_m) {
   counts_.charted = charted_.size();
 }
 
@@ -60,38 +66,35 @@ CornerNavigation::CornerNavigation(const CornerNavigationConfig& config, double 
 std::optional<CornerMove> CornerNavigation::correct(Navigation& fix) {
   if (!config_.on || !fix.X_WB.is_finite()) return std::nullopt;
   const std::lock_guard lock(mutex_);
-  grow(fix);
+  advance(fix);
   heading_variance_ = fix.covariance ? (*fix.covariance)(5, 5) : 0;
-  fix.X_WB.translation.head<2>() += offset_;
+  fix.X_WB.translation.head<2>() += drift_.offset();
   if (fix.covariance && corrected_) {
     fix.covariance->topRows<2>().setZero();
     fix.covariance->leftCols<2>().setZero();
-    fix.covariance->topLeftCorner<2, 2>() = covariance_;
+    fix.covariance->topLeftCorner<2, 2>() = drift_.covariance();
   }
-  const Vector2d by = offset_ - std::exchange(applied_, offset_);
-  if (by.isZero(0)) return std::nullopt;
-  CornerMove move = move_;
-  move.by = by;
-  return move;
+  if (std::exchange(told_, move_.version) == move_.version) return std::nullopt;
+  return move_;
 }
 
-/// Lets the covariance grow by the way since the anchor. The navigation's own position fix ends the correction.
-void CornerNavigation::grow(const Navigation& fix) {
+/// Lets the estimate drift by the way since the anchor. The navigation's own position fix ends the correction.
+void CornerNavigation::advance(const Navigation& fix) {
   const std::optional<Matrix2d> own = stated(fix);
   const std::optional<Matrix2d> before = anchor_ ? stated(*anchor_) : std::nullopt;
-  if (corrected_ && own && before && own->trace() < before->trace() / 2) {
+  const bool fixed = corrected_ && own && before && own->trace() < before->trace() / 2;
+  if (fixed) {
     corrected_ = false;
-    offset_.setZero();
-    ++move_.version;
+    move_ = {-drift_.offset(), 0, std::sqrt(2 * drift_.variance()), move_.version + 1};
   }
-  if (!anchor_) anchor_ = fix;
-  if (own && !corrected_) covariance_ = *own;
+  if (!anchor_ || fixed) {
+    drift_.begin(own.value_or(Matrix2d::Zero()));
+    anchor_ = fix;
+  }
   const double step = (fix.X_WB.translation - anchor_->X_WB.translation).head<2>().norm();
   if (step < kStep_m) return;
-  double grown = config_.drift_share * config_.drift_share * step * (2 * way_m_ + step);
-  if (own && before) grown = std::clamp((own->trace() - before->trace()) / 2, 0.0, grown);
-  if (!own || corrected_) covariance_ += grown * Matrix2d::Identity();
-  way_m_ += step;
+  drift_.advance(step);
+  if (own && (!corrected_ || drift_.variance() > own->trace() / 2)) drift_.scale_to(own->trace() / 2);
   anchor_ = fix;
 }
 
@@ -143,20 +146,17 @@ void CornerNavigation::on_sweep(bool posed) {
   const std::lock_guard lock(mutex_);
   ++counts_.sweeps;
   if (followed_ != move_.version) return;  // the poses of these echoes do not contain the last fix yet
-  const PlanePosition believed{scan.from, covariance_};
+  const PlanePosition believed{scan.from, drift_.covariance()};
   const auto fix = corner_fix(believed, seen, charted_, Angle::radians(std::sqrt(heading_variance_)), config_.gate);
   if (fix && (fix->at - believed.at).norm() <= config_.max_move_m) return take(*fix, believed);
   if (fix || charted_near(scan.from)) ++counts_.refused;
 }
 
 void CornerNavigation::take(const CornerFix& fix, const PlanePosition& believed) {
-  const PlanePosition better = fused(believed, fix);
-  const Vector2d by = better.at - believed.at;
-  move_ = {by, fix.corners, std::sqrt(believed.covariance.trace()), move_.version + 1};
+  const double sigma_m = std::sqrt(believed.covariance.trace());
+  const Vector2d by = drift_.correct(drift_.offset() + fix.at - believed.at, fix.covariance);
+  move_ = {by, fix.corners, sigma_m, move_.version + 1};
   corrected_ = true;
-  offset_ += by;
-  covariance_ = better.covariance;
-  way_m_ = 0;
   ++counts_.taken;
   if (counts_.last_moves_m.size() == kLastMoves) counts_.last_moves_m.erase(counts_.last_moves_m.begin());
   counts_.last_moves_m.push_back(by.norm());
@@ -166,8 +166,8 @@ void CornerNavigation::take(const CornerFix& fix, const PlanePosition& believed)
 CornerFixOutcome CornerNavigation::outcome() const {
   const std::lock_guard lock(mutex_);
   CornerFixOutcome outcome = counts_;
-  outcome.offset = offset_;
-  outcome.sigma_m = std::sqrt(covariance_.trace() / 2);
+  outcome.offset = drift_.offset();
+  outcome.sigma_m = std::sqrt(drift_.variance());
   return outcome;
 }
 

@@ -6,10 +6,10 @@
 // navigation fix. Everything on board gets the corrected fixes. A move of the offset is a jump of the position, and the
 // maps around the vehicle move along (Pipeline).
 //
-// Offset and fix are fused by their covariances. That of the offset, per axis, begins with the stated one of the
-// navigation, or 0. After each corner fix it grows with the square of the way since, times drift_share^2, but by no
-// more than the covariance that the navigation states. A position fix of the navigation itself, which halves its stated
-// variance, sets the offset back to 0.
+// The offset and its drift are estimated from all fixes (drift_estimate.hpp), so that between two corners the position
+// keeps the drift that the earlier ones have shown. Until the first corner fix the uncertainty is that which the
+// navigation states; later it is not larger. A position fix of the navigation itself, which halves its stated variance,
+// sets the offset back to 0.
 //
 // A corner fix is refused if it would move the position by more than `max_move_m`, or if no corner of the sweep matches
 // a corner of the chart although the chart has one in the sonar's range. Of several scanning sonars only the first that
@@ -23,6 +23,7 @@
 #pragma once
 
 #include <isobath/base/config.hpp>
+#include <isobath/onboard/drift_estimate.hpp>
 #include <isobath/perception/corner_fix.hpp>
 #include <isobath/sonar/sensor_table.hpp>
 #include <isobath/vehicle/navigation.hpp>
@@ -36,8 +37,9 @@ namespace isobath {
 
 struct CornerNavigationConfig {
   bool on = false;
-  double drift_share = 0.01;  ///< growth of the position error, per axis, as a share of the way
-  double gate = 3;            ///< standard deviations within which a corner matches the chart
+  double drift_share = 0.01;    ///< growth of the position error, per axis, as a share of the way
+  double drift_length_m = 200;  ///< correlation length of that growth
+  double gate = 3;              ///< standard deviations within which a corner matches the chart
   double max_move_m = 3;
 };
 std::vector<Field> fields(CornerNavigationConfig& config);
@@ -90,7 +92,7 @@ class CornerNavigation {
     Angle bearing;
     double range_m;
   };
-  void grow(const Navigation& fix);
+  void advance(const Navigation& fix);
   [[nodiscard]] PlaneScan scan_of_sweep() const;
   void take(const CornerFix& fix, const PlanePosition& believed);
   [[nodiscard]] bool charted_near(const Eigen::Vector2d& from) const;
@@ -108,12 +110,11 @@ class CornerNavigation {
 
   // The offset; both threads.
   mutable std::mutex mutex_;
-  Eigen::Vector2d offset_ = Eigen::Vector2d::Zero(), applied_ = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();
+  DriftEstimate drift_;
   bool corrected_ = false;            ///< by a corner fix, and not by the navigation since
   CornerMove move_;                   ///< the newest
+  int told_ = 0;                      ///< version of the newest move that `correct` has returned
   std::optional<Navigation> anchor_;  ///< uncorrected fix up to which the way is counted
-  double way_m_ = 0;                  ///< since the last corner fix
   double heading_variance_ = 0;       ///< as the navigation states it, rad2
   CornerFixOutcome counts_;
 };
