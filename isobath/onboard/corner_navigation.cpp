@@ -16,6 +16,7 @@ using Eigen::Vector2d;
 constexpr double kStep_m = 1;         // of the way: shorter steps may be noise of the navigation
 constexpr double kLevel = 0.5;        // cosine of the slope from which on a beam is not level
 constexpr double kMinSigma_m = 0.15;  // of a range: as in the spherical grid
+constexpr double kBias_m = 0.15;      // of a corner, each axis: the same from sweep to sweep
 constexpr double kWidthOverSigma = 2.355;
 constexpr std::size_t kLastMoves = 5;
 
@@ -112,7 +113,7 @@ void CornerNavigation::on_ping(const PosedPing& posed) {
   const Vector2d beam =
       (X_WS.rotation * Eigen::Vector3d(cos(ping.fan->azimuth[0]), sin(ping.fan->azimuth[0]), 0)).head<2>();
   if (beam.norm() < kLevel) return;
-  echoes_.push_back({X_WS.translation.head<2>(), plan_bearing(beam), ping.window.centre(*bin) * beam.norm()});
+  echoes_.push_back({X_WS.translation.head<2>(), plan_bearing(beam), ping.window.edge(*bin) * beam.norm()});
 }
 
 void CornerNavigation::on_jump(const Eigen::Vector3d& by_W) {
@@ -121,7 +122,7 @@ void CornerNavigation::on_jump(const Eigen::Vector3d& by_W) {
 
 PlaneScan CornerNavigation::scan_of_sweep() const {
   PlaneScan scan;
-  scan.beam_width = width_;
+  scan.beam_width = BeamWidth(Angle{});
   scan.sigma = width_.full / kWidthOverSigma;
   scan.sigma_m = std::max(kMinSigma_m, bin_m_);
   for (const Echo& echo : echoes_) scan.from += echo.from / static_cast<double>(echoes_.size());
@@ -141,7 +142,10 @@ void CornerNavigation::on_sweep(bool posed) {
   echoes_.clear();
   if (!posed) return;
   std::vector<PlaneCorner> seen;
-  for (const ScanCorner& corner : shapes_of(scan).corners) seen.push_back(corner);
+  for (const ScanCorner& corner : shapes_of(scan).corners) {
+    seen.push_back(corner);
+    seen.back().covariance += kBias_m * kBias_m * Matrix2d::Identity();
+  }
   if (seen.empty()) return;
   const std::lock_guard lock(mutex_);
   ++counts_.sweeps;
