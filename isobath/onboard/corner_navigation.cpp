@@ -104,7 +104,7 @@ void CornerNavigation::advance(const Navigation& fix) {
 void CornerNavigation::on_ping(const PosedPing& posed) {
   const Ping& ping = posed.ping;
   if (!config_.on || ping.fan->beams() != 1 || !lies_flat(ping) || heads_.index_of(ping.X_BS) != 0) return;
-  width_ = BeamWidth(ping.fan->width[0]);
+  width_ = ping.fan->width[0];
   bin_m_ = ping.window.bin_m;
   reach_m_ = ping.window.end_m();
   const std::optional<int> bin = nearest_sure_echo(ping, posed.decisions, 0, contrast_);
@@ -123,7 +123,7 @@ void CornerNavigation::on_jump(const Eigen::Vector3d& by_W) {
 PlaneScan CornerNavigation::scan_of_sweep() const {
   PlaneScan scan;
   scan.beam_width = BeamWidth(Angle{});
-  scan.sigma = width_.full / kWidthOverSigma;
+  scan.sigma = width_ / kWidthOverSigma;
   scan.sigma_m = std::max(kMinSigma_m, bin_m_);
   for (const Echo& echo : echoes_) scan.from += echo.from / static_cast<double>(echoes_.size());
   for (const Echo& echo : echoes_) scan.echoes.emplace_back(echo.bearing, echo.range_m, echo.from - scan.from);

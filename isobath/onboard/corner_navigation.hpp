@@ -6,6 +6,10 @@
 // navigation fix. Everything on board gets the corrected fixes. A move of the offset is a jump of the position, and the
 // maps around the vehicle move along (Pipeline).
 //
+// An echo is placed on the axis of its beam, at the near edge of its bin: the edge of a beam at -3 dB is mostly too
+// weak to be detected. In harbour_loop.toml corners are then 0.16 m too far away on average, with a standard deviation
+// of 0.13 m along the line of sight and 0.2 m across; with the nearest point of the full beam they are 0.5 m too far.
+//
 // The offset and its drift are estimated from all fixes (drift_estimate.hpp), so that between two corners the position
 // keeps the drift that the earlier ones have shown. Until the first corner fix the uncertainty is that which the
 // navigation states; later it is not larger. A position fix of the navigation itself, which halves its stated variance,
@@ -104,8 +108,8 @@ class CornerNavigation {
   // The sweep; mapping thread.
   SensorTable heads_;
   std::vector<Echo> echoes_;
-  BeamWidth width_{Angle::degrees(2)};
-  double bin_m_ = 0, reach_m_ = 0;  ///< of the last ping
+  Angle width_;                     ///< of the beam of the last ping
+  double bin_m_ = 0, reach_m_ = 0;  ///< likewise
   int followed_ = 0;                ///< version of the offset that the poses of pings contain
 
   // The offset; both threads.
