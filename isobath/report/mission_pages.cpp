@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kPlotPixels = 1100;
-constexpr double kCaptureRadius = 5;  // m; within it a mission point counts as reached (S6-37)
+constexpr double kCaptureRadius = 5;  // m; within it a mission point counts as reached (S6-37), if it states no other
 constexpr Colour kWater{0.91, 0.95, 0.985, 1};
 constexpr Colour kCharted{0.62, 0.78, 0.90, 0.7}, kChartedEdge{0.20, 0.42, 0.62, 0.9};
 constexpr Colour kMapped{0.93, 0.78, 0.50, 0.75}, kMappedEdge{0.66, 0.44, 0.08, 0.9};
@@ -27,6 +27,17 @@ bool overrules(const Decision& d) { return d.agent == "safety officer"; }
 bool changes_the_way(const Decision& d) { return !d.way.empty(); }
 
 bool gives_up_or_moves_a_point(const Decision& d) { return d.what == "drop point" || d.what == "move point"; }
+
+double radius_of(const MissionPoint& point) { return point.radius_m > 0 ? point.radius_m : kCaptureRadius; }
+
+/// "mission point, radius 5 m"; without the number if the points have several.
+std::string point_legend(const MissionPlan& plan) {
+  if (plan.points.empty()) return "mission point";
+  const double radius = radius_of(plan.points.front());
+  const bool same = std::all_of(plan.points.begin(), plan.points.end(),
+                                [&](const MissionPoint& p) { return radius_of(p) == radius; });
+  return same ? fmt::format("mission point, radius {:g} m", radius) : "mission point with its radius";
+}
 
 /// Whether a decision gets a number on the chart. Refusals without an obstacle (such as: no scan yet), and refusals
 /// that a dropped or moved point follows at once, stand in the table only.
@@ -55,7 +66,7 @@ void extend_to(const Polygon& outline, Eigen::AlignedBox2d& box, const Eigen::Al
 PlanExtent mission_extent(const MissionOutcome& outcome) {
   Eigen::AlignedBox2d box;
   for (const MissionPoint& p : outcome.plan.points) {
-    box.extend(Vector2d(p.north_east.array() + kCaptureRadius)).extend(Vector2d(p.north_east.array() - kCaptureRadius));
+    box.extend(Vector2d(p.north_east.array() + radius_of(p))).extend(Vector2d(p.north_east.array() - radius_of(p)));
   }
   for (const BelievedPlace& p : outcome.believed) box.extend(p.north_east);
   for (const Decision& d : outcome.decisions) {
@@ -137,7 +148,7 @@ void draw_points(MissionPlot& plot, const MissionOutcome& outcome) {
   for (const MissionPoint& p : outcome.plan.points) {
     const bool dropped = was_dropped(outcome, p);
     const Colour colour = dropped ? kSafety : kReached;
-    plot.circle(p.north_east, kCaptureRadius, {colour, 2.4, false});
+    plot.circle(p.north_east, radius_of(p), {colour, 2.4, false});
     if (dropped) plot.cross(p.north_east, {colour, 2.4, false});
     plot.name(p.north_east, p.name, colour);
   }
@@ -219,7 +230,7 @@ void legend(MissionPlot& plot, const MissionOutcome& outcome) {
   plot.legend_line({kWay, 2, false}, "last planned route");
   plot.legend_line({kOldWay, 1.6, true}, "earlier routes");
   if (!outcome.plan.fence.empty()) plot.legend_line({kFence, 2, true}, "fence");
-  plot.legend_circle({kReached, 2.4, false}, "mission point, radius 5 m");
+  plot.legend_circle({kReached, 2.4, false}, point_legend(outcome.plan));
   if (outcome.report.dropped > 0) plot.legend_circle({kSafety, 2.4, false}, "dropped point", true);
   const auto small = [&](const TrueBody& body) { return is_small(body, plot.metres_per_px()); };
   if (!std::all_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
