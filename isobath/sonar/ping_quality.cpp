@@ -133,13 +133,13 @@ std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam) 
   return std::nullopt;
 }
 
-/// Raised contrast of a fan, for noise with Rayleigh-distributed amplitude.
 std::optional<int> nearest_sure_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
   const std::optional<int> clear = nearest_clear_echo(ping, decisions, beam, contrast);
   const std::optional<int> dense = nearest_dense_echo(decisions, beam);
   return dense && (!clear || *dense < *clear) ? dense : clear;
 }
 
+/// Raised contrast of a fan, for noise with Rayleigh-distributed amplitude.
 double contrast_of_fan(double contrast, int beams) {
   constexpr double kMedian = 1.1774, kDeviation = 1.4826 * 0.4485;  // in units of the Rayleigh scale
   const double level = kMedian + contrast * kDeviation;
