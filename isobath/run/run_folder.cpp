@@ -69,9 +69,8 @@ void add_warnings(HtmlReport& page, const RunOutcome& outcome) {
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (outcome.corner_fix) page.paragraph(sentence(corner_fix_text(*outcome.corner_fix)) + ".");
   if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
-  if (outcome.counts.pings > 0 && outcome.counts.unposed == outcome.counts.pings) {
+  if (outcome.counts.pings > 0 && outcome.counts.unposed == outcome.counts.pings)
     page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");
-  }
 }
 
 std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
@@ -251,9 +250,8 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
     write_text("sharpness.png", pictures.placement.sharpness, outcome);
   }
   if (outcome.depth) pictures.depth = write_depth_files(onboard.depths(), source, folder_, outcome.files);
-  if (outcome.mission) {
+  if (outcome.mission)
     pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m, source);
-  }
   return pictures;
 }
 

@@ -133,6 +133,7 @@ void record(RunRecorder& recorder, DisplayState& items, double from_s, double to
     Navigation fix = test::fix_at(0, i, i % 360);
     fix.time = time;
     recorder.on_event(Event(fix));
+    recorder.on_fix(fix);
     recorder.on_message({static_cast<std::uint64_t>(i + 1), time, "pilot", HelmOrder{{Angle::degrees(i), 1, 1.5, 0}}});
     items.set(DisplayKind::kVehicle, 0, time, std::string(80, static_cast<char>(i)));
     items.set(DisplayKind::kTrack, static_cast<std::uint64_t>(i / 64), time, std::string(64, static_cast<char>(i)));

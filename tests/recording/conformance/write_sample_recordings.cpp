@@ -24,6 +24,7 @@ class Recording : public OnboardObserver {
     fixes += std::holds_alternative<Navigation>(event) ? 1 : 0;
     pings += std::holds_alternative<Ping>(event) ? 1 : 0;
   }
+  void on_fix(const Navigation& fix) override { recorder_.on_fix(fix); }
   void on_ping(const PosedPing& ping) override { recorder_.on_ping(ping); }
   void on_scan(const ScanResult& scan) override { recorder_.on_scan(scan); }
   void on_setpoint(Time time, const Setpoint& setpoint) override {
