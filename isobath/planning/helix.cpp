@@ -197,7 +197,7 @@ std::vector<Field> fields(HelixConfig& c) {
                   "Time from an echo until it is believed and the vehicle is on a new heading."),
       Field::real("clearance", &c.clearance_m, {0, 100}, "m", "Distance from the opening's plane when turning away."),
       Field::real("pass_share", &c.pass_share, {0, 1}, "1",
-                  "Share of the opening that must be known to be free to go through."),
+                  "Share of the opening from which on it counts as known to be free."),
       Field::real("margin", &c.margin_m, {0, 100}, "m", "Free water round the hull that is required to go through.")};
 }
 
