@@ -22,7 +22,7 @@ double rounded_to_tenth(double value) { return std::round(value * 10) / 10; }
 
 ordered_json place_of(const Eigen::Vector2d& p) { return ordered_json::array({rounded(p.x()), rounded(p.y())}); }
 
-ordered_json corners_of(const Polygon& outline) {
+ordered_json corners_json(const Polygon& outline) {
   ordered_json corners = ordered_json::array();
   for (const Eigen::Vector2d& p : outline) corners.push_back(place_of(p));
   return corners;
@@ -119,7 +119,7 @@ ordered_json ObstacleDisplay::whole_json(Time start) const {
 ordered_json ObstacleDisplay::seen_json(std::size_t index) const {
   const Obstacle& o = seen_[index];
   ordered_json json{{"number", o.number},
-                    {"outline", corners_of(o.outline)},
+                    {"outline", corners_json(o.outline)},
                     {"existence", rounded(o.existence)},
                     {"range_m", rounded(o.range_m)},
                     {"bearing_deg", rounded(o.bearing.wrapped_positive().degrees())},
@@ -133,7 +133,7 @@ ordered_json ObstacleDisplay::seen_json(std::size_t index) const {
 /// Leaves out an outline that the scan shows as well, and a trail of a single point.
 ordered_json ObstacleDisplay::remembered_json(const RememberedObstacle& o, Time start) const {
   ordered_json json{{"number", o.number}, {"id", o.id}};
-  if (!o.whole) json["outline"] = corners_of(o.outline_W);
+  if (!o.whole) json["outline"] = corners_json(o.outline_W);
   json["margin_m"] = rounded(o.margin_m);
   json["since_s"] = rounded_to_tenth(to_seconds(o.first_seen - start));
   json["seen_s"] = rounded_to_tenth(to_seconds(o.last_seen - start));

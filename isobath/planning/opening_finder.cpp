@@ -47,7 +47,7 @@ struct Gap {
 };
 
 /// The echoes of a body spread along the line of sight: its middle says how far it is.
-Gap gap_between(const Body& port, const Body& starboard) {
+Gap gap_of(const Body& port, const Body& starboard) {
   return {{port.box.center().x(), port.box.max().y()}, {starboard.box.center().x(), starboard.box.min().y()}};
 }
 
@@ -105,7 +105,7 @@ std::optional<FoundOpening> find_opening(std::span<const Hazard> hazards, const 
     if (p.box.max().y() >= 0) continue;
     for (const Body& s : bodies) {
       if (s.box.min().y() <= 0) continue;
-      const Gap gap = gap_between(p, s);
+      const Gap gap = gap_of(p, s);
       if (gap.width() < search.min_width_m || gap.width() > search.max_width_m) continue;
       if (std::abs(gap.starboard.x() - gap.port.x()) > 0.5 * gap.width() || gap.ahead() > (to - from).norm()) continue;
       // Two pairs of one row of pylons are as far as each other; the narrow one is the opening.

@@ -177,7 +177,7 @@ class DriftingNavigation {
 };
 
 /// The corners of the section's straight walls.
-std::vector<ChartedCorner> corners_of(const PlaneSection& section) {
+std::vector<ChartedCorner> charted_corners_of(const PlaneSection& section) {
   std::vector<ChartedWall> walls;
   for (const SectionLine& line : section.lines()) walls.push_back({line.a, line.b});
   return isobath::corners_of(walls);
@@ -314,7 +314,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     sonar.middle = place.course;
     const std::vector<SectionReading> readings = scan(section, place.at.head<2>(), sonar, random);
     PlaneScan told = echoes_from(navigation.at(), readings, sonar);
-    if (config.drift_share > 0) navigation.fix(sorted(told), corners_of(section));
+    if (config.drift_share > 0) navigation.fix(sorted(told), charted_corners_of(section));
     navigation.keep();
     told.from = navigation.at();
     const Vector3d at(told.from.x(), told.from.y(), place.at.z());

@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSame = 6;                       // m, between looks at one opening
-constexpr double kMuchNarrower = 2;                   // m
+constexpr double kMuchNarrower = 2;               // m
 constexpr double kElsewhere = 1.5;                // m, that a helix is planned anew for
 constexpr Angle kLeastSwing = Angle::degrees(5);  // a straight approach swings as much
 
@@ -82,7 +82,8 @@ std::optional<FoundOpening> OpeningWatch::ahead(std::span<const Hazard> bodies, 
     if (away_m < latest_m || away_m > config_.farthest_m) return {};
     if (!tracked_) return found;
     const Opening& last = tracked_->found.opening;
-    const bool other = (middle - middle_of(last)).norm() > kSame && found->opening.width_m < last.width_m - kMuchNarrower;
+    const bool other =
+        (middle - middle_of(last)).norm() > kSame && found->opening.width_m < last.width_m - kMuchNarrower;
     return other ? found : std::nullopt;
   }
   return {};
