@@ -52,14 +52,24 @@ bool near_any(const std::vector<Hazard>& outlines, const Vector2d& p, double wit
                      [&](const Hazard& h) { return (nearest_point(h.outline, p) - p).norm() <= within; });
 }
 
+/// The first verdict on each opening counts, and of several openings the last that has one.
+void judge_openings(const std::vector<Decision>& decisions, RunScore& score) {
+  bool judged = false;
+  for (const Decision& d : decisions) {
+    if (!d.opening) continue;
+    if (d.what == "opening") judged = false;
+    const bool known = d.what == "opening known";
+    if (judged || (!known && d.what != "opening unknown")) continue;
+    judged = true;
+    score.opening_share = d.opening->free_share;
+    score.opening_known_m = known ? d.opening->distance_m : -1;
+  }
+}
+
 void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& truth, double near_m, RunScore& score) {
   for (const Decision& d : decisions) {
     const bool calms = d.what == "over" || d.what == "report" || d.what == "resume";
     if (d.agent == "safety officer" && !calms) ++score.safety_actions;
-    if (d.opening && d.what != "opening") {
-      score.opening_share = d.opening->free_share;
-      if (d.what == "opening known") score.opening_known_m = d.opening->distance_m;
-    }
     if (d.what != "replan") continue;
     ++score.replans;
     if (d.obstacle && !near_any(truth.outlines(), *d.obstacle, near_m)) ++score.false_replans;
@@ -172,6 +182,7 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
   s.near_false_obstacles = result.sight.near_false_obstacles;
   s.unseen_false_obstacles = result.sight.unseen_false_obstacles;
   judge_decisions(result.decisions, truth, suite.near_body_m, s);
+  judge_openings(result.decisions, s);
   return s;
 }
 

@@ -47,8 +47,10 @@ struct RunScore {
   std::vector<double> range_error_m;               ///< root mean square, of each of them that is compact
   int bodies_missed = 0;                           ///< bodies with echoes that were never detected
   int replans = 0, false_replans = 0, safety_actions = 0;
-  double opening_known_m = -1;  ///< distance before the opening on the route from which on it is known to be free
-  double opening_share = -1;    ///< how much of it is known then, or where the vehicle can turn away for the last time
+  /// Distance before the last opening on the route from which on it is known to be free; -1: it is not where the
+  /// vehicle can turn away for the last time.
+  double opening_known_m = -1;
+  double opening_share = -1;  ///< how much of it is known then, or there; -1: there was none
 
   int scans = 0;
   int false_obstacles = 0, near_false_obstacles = 0;  ///< in view, over all scans; near: within kNearObstacle_m

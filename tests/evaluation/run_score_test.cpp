@@ -172,6 +172,31 @@ TEST_F(Scored, AReplanForAnObstacleFarFromEveryBodyWasForNothing) {
   EXPECT_EQ(s.false_replans, 1);
 }
 
+// What is known only after the last moment to turn away is known too late; of two openings the last counts.
+// ledger: S5-45 S5-D09
+TEST_F(Scored, AnOpeningIsKnownIfItIsBeforeTheLastMomentToTurnAway) {
+  go({{0, 0}, {100, 0}});
+  using Verdicts = std::vector<std::tuple<const char*, double, double>>;  // what, distance, share
+  const auto judged = [&](const Verdicts& verdicts) {
+    result_.decisions.clear();
+    for (const auto& [what, distance_m, share] : verdicts) {
+      Decision& d = result_.decisions.emplace_back();
+      d.what = what;
+      d.opening = OpeningSighting{distance_m, 22, 8, share};
+    }
+    const RunScore s = scored();
+    return std::pair(s.opening_known_m, s.opening_share);
+  };
+  EXPECT_EQ(judged({}), std::pair(-1.0, -1.0));
+  EXPECT_EQ(judged({{"opening", 45, 0.1}, {"helix", 40, 0.5}, {"opening known", 36, 0.9}}), std::pair(36.0, 0.9));
+  EXPECT_EQ(judged({{"opening", 45, 0.1}, {"opening unknown", 17, 0.8}, {"opening known", 12, 0.9}}),
+            std::pair(-1.0, 0.8));
+  EXPECT_EQ(
+      judged({{"opening", 28, 0.1}, {"opening unknown", 17, 0.2}, {"opening", 40, 0.1}, {"opening known", 30, 1}}),
+      std::pair(30.0, 1.0));
+  EXPECT_EQ(judged({{"opening", 45, 0.1}, {"opening known", 36, 0.9}, {"opening", 30, 0.1}}), std::pair(36.0, 0.9));
+}
+
 TEST_F(Scored, DelaysAreThoseOfTheBodiesThatWereFound) {
   go({{0, 0}, {100, 0}});
   result_.sight.bodies.resize(2);

@@ -52,7 +52,7 @@ void Navigator::look_at_opening(View& view, Outbox& out) {
   }
   const auto plan = opening_.improved(here);
   if (plan && clear(plan->path)) {
-    take_helix(view, plan->path, about_it("opening", "; the helix is planned anew"), out);
+    take_helix(view, plan->path, about_it("helix", "; the helix is planned anew"), out);
   }
 }
 
