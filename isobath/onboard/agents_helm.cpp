@@ -140,10 +140,11 @@ void AgentsHelm::on_scan(const ScanResult& scan) {
   executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map), jumped_}, now());
 }
 
-void AgentsHelm::on_decision(Decision decision) {
+void AgentsHelm::on_decision(const Decision& decision) {
   const std::lock_guard lock(mutex_);
-  decision.time = now();
-  executor_->on_message(std::move(decision), now());
+  Decision timed = decision;
+  timed.time = now();
+  executor_->on_message(std::move(timed), now());
 }
 
 /// A map that the run does not have yet does not replace the chart.

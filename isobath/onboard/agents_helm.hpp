@@ -38,7 +38,7 @@ class AgentsHelm : public Helm {
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   void on_world(const WorldSnapshot& world) override;
-  void on_decision(Decision decision) override;
+  void on_decision(const Decision& decision) override;
 
   [[nodiscard]] std::vector<AgentReport> crew() const override { return executor_->crew(); }
 

@@ -24,7 +24,7 @@ class Helm : public ResultSink {
   /// spherical grid with `chart_room.sphere`.
   virtual void on_world(const WorldSnapshot& /*world*/) {}
   /// A decision that was not made by an agent: it goes to the other decisions. The helm sets its time.
-  virtual void on_decision(Decision /*decision*/) {}
+  virtual void on_decision(const Decision& /*decision*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;
