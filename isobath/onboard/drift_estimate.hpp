@@ -27,7 +27,7 @@ class DriftEstimate {
 
   [[nodiscard]] Eigen::Vector2d offset() const { return state_.head<2>(); }
   [[nodiscard]] Eigen::Matrix2d covariance() const { return covariance_.topLeftCorner<2, 2>(); }
-  /// Of the offset, mean of both axes, m2.
+  /// Variance of the offset, the mean over both axes, m2.
   [[nodiscard]] double variance() const { return covariance().trace() / 2; }
 
  private:

@@ -51,14 +51,10 @@ Gap gap_of(const Body& port, const Body& starboard) {
   return {{port.box.center().x(), port.box.max().y()}, {starboard.box.center().x(), starboard.box.min().y()}};
 }
 
-VoxelIndex voxel_at(const OccupancySnapshot& map, const Vector3d& p_W) {
-  return (p_W.array() / map.voxel_m()).floor().cast<int>();
-}
-
 /// How far the water of a column was measured to be clear from `depth_m` on, downwards (+1) or upwards (-1). Empty
 /// where not even that depth was measured.
 std::optional<double> clear_to(const OccupancySnapshot& map, const Vector2d& at, double depth_m, int step) {
-  const VoxelIndex v = voxel_at(map, {at.x(), at.y(), depth_m});
+  const VoxelIndex v = floor_of(Vector3d(at.x(), at.y(), depth_m) / map.voxel_m());
   const auto column = map.column(v.x(), v.y());
   const int first = v.z() - map.least().z(), size = static_cast<int>(column.size());
   int z = first;
@@ -145,8 +141,7 @@ double free_share(const FoundOpening& found, double margin_m, const OccupancySna
   for (int i = 0; i < columns; ++i) {
     const Vector2d at = found.port + (margin_m + (i + 0.5) / columns * width_m) * aside;
     for (int k = 0; k < rows; ++k) {
-      const Vector3d p_W(at.x(), at.y(), top_m + (k + 0.5) / rows * height_m);
-      free += map.at(voxel_at(map, p_W)) == SpaceCell::kMeasured;
+      free += map.is_measured({at.x(), at.y(), top_m + (k + 0.5) / rows * height_m}, 0);
     }
   }
   return static_cast<double>(free) / (static_cast<double>(columns) * rows);

@@ -57,10 +57,10 @@ std::optional<NavigationError> navigation_error(const MissionOutcome& outcome) {
   if (!outcome.truth) return std::nullopt;
   std::optional<NavigationError> error;
   for (const BelievedPlace& believed : outcome.believed) {
-    const std::optional<Eigen::Vector2d> truth = true_place_at(*outcome.truth, believed.time);
+    const std::optional<Pose> truth = true_pose_at(outcome.truth->track, believed.time);
     if (!truth) continue;
     if (!error) error.emplace();
-    error->last_m = (believed.north_east - *truth).norm();
+    error->last_m = (believed.north_east - truth->translation.head<2>()).norm();
     error->largest_m = std::max(error->largest_m, error->last_m);
   }
   return error;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <isobath/geometry/polygon_parts.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <limits>
 #include <set>
 
@@ -94,14 +95,9 @@ void DetectionScorer::on_truth(const TrueMotion& motion) {
 
 /// The true pose of the vehicle, without roll and pitch.
 Pose DetectionScorer::true_level_pose(Time time) const {
-  const auto after =
-      std::lower_bound(motions_.begin(), motions_.end(), time, [](const TrueMotion& m, Time t) { return m.time < t; });
   if (motions_.empty()) return {};
-  if (after == motions_.end()) return level(motions_.back().state.X_WB);
-  if (after == motions_.begin()) return level(after->state.X_WB);
-  const TrueMotion& before = *(after - 1);
-  const double share = to_seconds(time - before.time) / to_seconds(after->time - before.time);
-  return level(interpolate(before.state.X_WB, after->state.X_WB, share));
+  const TrueMotion& nearest = time < motions_.front().time ? motions_.front() : motions_.back();
+  return level(true_pose_at(motions_, time).value_or(nearest.state.X_WB));
 }
 
 void DetectionScorer::on_ping(const PosedPing& posed) {

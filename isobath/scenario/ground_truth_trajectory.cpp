@@ -4,16 +4,15 @@
 
 namespace isobath {
 
-std::optional<Eigen::Vector2d> true_place_at(const TrackTruth& truth, Time time) {
-  const auto after = std::lower_bound(truth.track.begin(), truth.track.end(), time,
-                                      [](const TrueMotion& motion, Time t) { return motion.time < t; });
-  if (after == truth.track.end()) return std::nullopt;
-  const Eigen::Vector2d to = after->state.X_WB.translation.head<2>();
-  if (after->time == time) return to;
-  if (after == truth.track.begin()) return std::nullopt;
+std::optional<Pose> true_pose_at(std::span<const TrueMotion> motion, Time time) {
+  const auto after =
+      std::lower_bound(motion.begin(), motion.end(), time, [](const TrueMotion& m, Time t) { return m.time < t; });
+  if (after == motion.end()) return std::nullopt;
+  if (after->time == time) return after->state.X_WB;
+  if (after == motion.begin()) return std::nullopt;
   const TrueMotion& before = *std::prev(after);
-  const Eigen::Vector2d from = before.state.X_WB.translation.head<2>();
-  return from + to_seconds(time - before.time) / to_seconds(after->time - before.time) * (to - from);
+  const double share = to_seconds(time - before.time) / to_seconds(after->time - before.time);
+  return interpolate(before.state.X_WB, after->state.X_WB, share);
 }
 
 std::vector<TrueBody> outlines_of(const World& world) {

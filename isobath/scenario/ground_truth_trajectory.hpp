@@ -11,6 +11,7 @@
 #include <isobath/scenario/scenario.hpp>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,8 @@ struct TrackTruth {
   double length_m = 0;                                              ///< length of the track in plan
 };
 
-/// True north and east of the vehicle at a time, between two instants of the track; empty outside it.
-std::optional<Eigen::Vector2d> true_place_at(const TrackTruth& truth, Time time);
+/// The true pose of the vehicle at a time, interpolated between two instants of its motion; empty outside it.
+std::optional<Pose> true_pose_at(std::span<const TrueMotion> motion, Time time);
 
 /// The outline in W of a true body, or of one pylon of a row.
 struct TrueBody {

@@ -199,8 +199,7 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
 }
 
 void Navigator::keep(View& view, Outbox& out) {
-  const double tolerated = std::max(0.0, clearance() - config_.slack_m);
-  const auto conflict = conflict_ahead(view.map, view.way, tolerated);
+  const auto conflict = conflict_ahead(view.map, view.way, least_clearance());
   if (conflict && !leads_through(view, *conflict, out)) return avoid(view, *conflict, out);
   if (!conflict) through_ = false;
   // A helix is longer than it must be, on purpose.

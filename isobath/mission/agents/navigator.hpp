@@ -42,6 +42,7 @@
 // Frames: messages in W, planning in L of the scan. Not promised: that water that no sensor has observed is free.
 #pragma once
 
+#include <algorithm>
 #include <isobath/mission/agents/navigator_config.hpp>
 #include <isobath/mission/agents/opening_watch.hpp>
 #include <isobath/mission/messages/agent.hpp>
@@ -142,6 +143,8 @@ class Navigator : public Agent {
     return request_->target.drop_distance_m > 0 ? request_->target.drop_distance_m : config_.drop_distance_m;
   }
   [[nodiscard]] double clearance() const { return route_.clearance_m + vehicle_.half_width_m; }
+  /// The clearance below which a route is changed.
+  [[nodiscard]] double least_clearance() const { return std::max(0.0, clearance() - config_.slack_m); }
   [[nodiscard]] bool inside_fence(const Eigen::Vector2d& p_W, double by_m) const;
 
   NavigatorConfig config_;

@@ -24,7 +24,7 @@ std::vector<Vector3d> points_of(const SpacePath& path) {
 }  // namespace
 
 void Navigator::look_at_opening(View& view, Outbox& out) {
-  if (!new_scan_ || !space_ || !request_ || way_.empty() || refused_) return;
+  if (!opening_.on() || !new_scan_ || !space_ || !request_ || way_.empty() || refused_) return;
   std::vector<Hazard> bodies = hazards_W(view);
   std::erase_if(bodies, [](const Hazard& h) { return h.kind == HazardKind::kFence; });
   const Vector3d& here = here_->X_WB.translation;
@@ -61,8 +61,7 @@ bool Navigator::is_clear_helix(View& view, const SpacePath& path) const {
   const std::vector<Vector3d> points = points_of(path);
   Way way = {view.way.front()};
   for (const Vector3d& p : points) way.push_back(view.frame.to_local(p.head<2>()));
-  const double tolerated = std::max(0.0, clearance() - config_.slack_m);
-  return !conflict_ahead(view.map, way, tolerated) || is_clear_through(view, points);
+  return !conflict_ahead(view.map, way, least_clearance()) || is_clear_through(view, points);
 }
 
 void Navigator::take_helix(const View& view, const SpacePath& path, Decision d, Outbox& out) {
@@ -78,7 +77,7 @@ void Navigator::take_helix(const View& view, const SpacePath& path, Decision d, 
   waypoints.push_back(
       {target.north_east.x(), target.north_east.y(), target.depth_m, wanted_speed(), points.back().z()});
   way.push_back(view.goal);
-  through_ = conflict_ahead(view.map, way, std::max(0.0, clearance() - config_.slack_m)).has_value();
+  through_ = conflict_ahead(view.map, way, least_clearance()).has_value();
   adopt(std::move(waypoints), length_of(way) - before, std::move(d), out);
 }
 

@@ -91,7 +91,7 @@ std::optional<FoundOpening> OpeningWatch::ahead(std::span<const Hazard> bodies, 
 
 OpeningWatch::News OpeningWatch::see(std::span<const Hazard> bodies, std::span<const Vector2d> way, double depth_m,
                                      double speed, const OccupancySnapshot& map) {
-  if (config_.mode == OpeningConfig::Mode::kOff || way.size() < 2) return News::kNone;
+  if (!on() || way.size() < 2) return News::kNone;
   const Vector2d& vehicle = way.front();
   const double latest_m = latest_decision_m(config_.helix, vehicle_, speed);
   News news = News::kNone;
@@ -110,15 +110,16 @@ OpeningWatch::News OpeningWatch::see(std::span<const Hazard> bodies, std::span<c
     forget();
     return News::kNone;
   }
-  if (news == News::kNone && !t.said_known && t.free_share >= config_.helix.pass_share) {
+  if (news != News::kNone || t.said_known) return news;
+  if (t.free_share >= config_.helix.pass_share) {
     t.said_known = true;
     return News::kKnown;
   }
-  if (news == News::kNone && !t.said_known && !t.said_unknown && t.distance_m < latest_m) {
+  if (!t.said_unknown && t.distance_m < latest_m) {
     t.said_unknown = true;
     return News::kUnknown;
   }
-  return news;
+  return News::kNone;
 }
 
 std::optional<HelixPlan> OpeningWatch::begin(const Vector3d& p_W, double speed,
@@ -130,22 +131,20 @@ std::optional<HelixPlan> OpeningWatch::begin(const Vector3d& p_W, double speed,
     HelixPlan plan = planner.plan(tracked_->found.opening, 0, amplitude);
     if (!plan.within_limits || plan.leave_m >= tracked_->distance_m || plan.demand.swing < kLeastSwing) return {};
     if (!clear(plan.path)) continue;
-    planner_ = planner;
-    planned_ = tracked_->found.opening;
-    amplitude_ = amplitude;
+    flight_ = Flight{planner, tracked_->found.opening, amplitude};
     return plan;
   }
   return {};
 }
 
 std::optional<HelixPlan> OpeningWatch::improved(const Vector3d& p_W) {
-  if (!flies() || !tracked_ || tracked_->distance_m < planner_->latest_m()) return {};
+  if (!flies() || !tracked_ || tracked_->distance_m < flight_->planner.latest_m()) return {};
   const Opening& now = tracked_->found.opening;
-  const bool elsewhere = (middle_of(now) - middle_of(planned_)).norm() > kElsewhere ||
-                         std::abs(now.width_m - planned_.width_m) > kElsewhere;
+  const bool elsewhere = (middle_of(now) - middle_of(flight_->planned)).norm() > kElsewhere ||
+                         std::abs(now.width_m - flight_->planned.width_m) > kElsewhere;
   if (!elsewhere) return {};
-  planned_ = now;
-  return planner_->plan(now, planner_->along(p_W), amplitude_);
+  flight_->planned = now;
+  return flight_->planner.plan(now, flight_->planner.along(p_W), flight_->amplitude);
 }
 
 void OpeningWatch::forget() {

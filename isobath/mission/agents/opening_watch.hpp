@@ -36,6 +36,8 @@ class OpeningWatch {
     kKnown,    ///< the required share of it is known to be free
     kUnknown,  ///< it is not, where the vehicle can turn away for the last time
   };
+  /// Whether openings are looked for at all.
+  [[nodiscard]] bool on() const { return config_.mode != OpeningConfig::Mode::kOff; }
   /// Once a scan. `way`: the vehicle's place and the rest of its route, (north, east); `bodies` in W.
   News see(std::span<const Hazard> bodies, std::span<const Eigen::Vector2d> way, double depth_m, double speed,
            const OccupancySnapshot& map);
@@ -47,14 +49,14 @@ class OpeningWatch {
   /// The rest of the helix that is flown, where the opening turned out to be elsewhere since it was planned.
   std::optional<HelixPlan> improved(const Eigen::Vector3d& p_W);
   /// The vehicle no longer flies the helix.
-  void leave() { planner_.reset(); }
-  [[nodiscard]] bool flies() const { return planner_.has_value(); }
+  void leave() { flight_.reset(); }
+  [[nodiscard]] bool flies() const { return flight_.has_value(); }
 
   void forget();
   void move(const Eigen::Vector2d& by);  ///< the position jumped
-  /// Of the opening that is tracked; there must be one.
+  /// The tracked opening as the vehicle knows it. Requires a tracked opening.
   [[nodiscard]] OpeningSighting sighting() const;
-  /// The same with its sides and angles, for a person.
+  /// The same for a person, with the sides of the opening and the angles that it subtends.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -65,6 +67,12 @@ class OpeningWatch {
     bool said_known = false, said_unknown = false;
     Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< the vehicle
   };
+  /// The helix that is flown.
+  struct Flight {
+    HelixPlanner planner;
+    Opening planned;  ///< the opening that its last plan leads through
+    double amplitude;
+  };
   [[nodiscard]] OpeningSearch search(double depth_m) const;
   [[nodiscard]] std::optional<FoundOpening> ahead(std::span<const Hazard> bodies, std::span<const Eigen::Vector2d> way,
                                                   double latest_m, double depth_m, const OccupancySnapshot& map) const;
@@ -74,9 +82,7 @@ class OpeningWatch {
   OpeningConfig config_;
   VehicleParameters vehicle_;
   std::optional<Tracked> tracked_;
-  std::optional<HelixPlanner> planner_;  ///< of the helix that is flown
-  Opening planned_;                      ///< the opening that its last plan leads through
-  double amplitude_ = 1;
+  std::optional<Flight> flight_;
 };
 
 }  // namespace isobath

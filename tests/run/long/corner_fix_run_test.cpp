@@ -52,8 +52,8 @@ Voyage sail(const Plan& plan) {
   request.configuration.corner_fix.drift_share = plan.drift_share;
   Voyage voyage{run_closed_loop(scenario, request)};
   const auto error = [&](const std::pair<Time, Vector2d>& position) {
-    const auto truth = true_place_at(voyage.result, position.first);
-    return truth ? (position.second - *truth).norm() : 0;
+    const auto truth = true_pose_at(voyage.result.track, position.first);
+    return truth ? (position.second - truth->translation.head<2>()).norm() : 0;
   };
   for (const auto& position : positions.used) voyage.largest_m = std::max(voyage.largest_m, error(position));
   const Time end = voyage.result.track.back().time;
