@@ -89,7 +89,7 @@ endfunction()
 # Where a sanitizer makes the compiler slow, the rooms that reckon little are not optimised: they compile in half the time.
 set(ISOBATH_QUICK_ROOMS "")
 if(ISOBATH_SANITIZE)
-  set(ISOBATH_QUICK_ROOMS mission world onboard configuration scenario display recording report run evaluation studies server app)
+  set(ISOBATH_QUICK_ROOMS ${ISOBATH_LAW})
   isobath_precompiled(isobath_quick_precompiled ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp USES fmt::fmt tl::expected Eigen3::Eigen
                       FLAGS -O0)
 endif()

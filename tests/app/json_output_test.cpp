@@ -235,6 +235,10 @@ TEST_F(JsonOutput, OfCompareAndOfTheStudies) {
   compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--drift", "1", "--closer", "2", "--out",
                      folder_ / "sphere"});
   EXPECT_THAT(page_.never_came_out("sphere"), IsEmpty());
+  std::string boat = "time,north,east,id,course_deg,speed_mps\nnever,0,0,a,0,1\n";
+  for (int t = 0; t < 20; ++t) boat += std::to_string(t) + ',' + std::to_string(t) + ",0,a,0,1\n";
+  compare("track", {"track", file("boat.csv", boat), "--out", folder_ / "track"});
+  EXPECT_THAT(page_.never_came_out("track"), IsEmpty());
 }
 
 TEST_F(JsonOutput, OfEval) {
@@ -259,6 +263,7 @@ TEST_F(JsonOutput, OfEval) {
 TEST_F(JsonOutput, OfSettings) {
   compare("settings", {"config"});
   compare("settings", {"helix", "--settings"});
+  compare("settings", {"track", "--settings"});
   compare("settings", {"sim", "--format"});
   const json plain = printed({"config", "--plain", "--set", "input.sound_speed=1475"});
   EXPECT_EQ(plain["input"]["sound_speed"], 1475);
