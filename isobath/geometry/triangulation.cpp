@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <isobath/base/error.hpp>
+#include <isobath/geometry/dynamic_delaunay.hpp>
 #include <isobath/geometry/exact_predicates.hpp>
 #include <isobath/geometry/triangulation.hpp>
 #include <utility>
@@ -11,8 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Triangle = Triangulation::Triangle;
-
-constexpr int kInfinity = -1;  // the corner of the triangles outside the hull during growth
 
 int after(int k) { return k == 2 ? 0 : k + 1; }
 int before(int k) { return k == 0 ? 2 : k - 1; }
@@ -47,147 +46,22 @@ std::vector<int> hilbert_order(const std::vector<Vector2d>& points, const Vector
   return order;
 }
 
-/// Whether p, which is on the line through a and b, lies strictly between them.
-bool between(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
-  const int axis = a.x() != b.x() ? 0 : 1;
-  return std::min(a[axis], b[axis]) < p[axis] && p[axis] < std::max(a[axis], b[axis]);
-}
-
-/// Builds the triangulation point by point. Triangles with a corner at infinity cover the outside of the hull, so that
-/// every side has two triangles and there are no special cases.
-class Growth {
- public:
-  explicit Growth(const std::vector<Vector2d>& points) : points_(points), spoke_(points.size() + 1, -1) {
-    triangles_.reserve(2 * points.size() + 4);
-  }
-  void start(int a, int b, int c);
-  void insert(int p);
-  /// The triangles without a corner at infinity.
-  [[nodiscard]] std::vector<Triangle> finite() const;
-
- private:
-  [[nodiscard]] bool holds_infinity(const Triangle& t) const {
-    return t.corner[0] == kInfinity || t.corner[1] == kInfinity || t.corner[2] == kInfinity;
-  }
-  [[nodiscard]] int walk(const Vector2d& p) const;
-  [[nodiscard]] bool in_conflict(const Triangle& t, const Vector2d& p) const;
-  void dig(int seed, const Vector2d& p);
-  void fill(int p);
-  [[nodiscard]] const Vector2d& at(int point) const { return points_[static_cast<std::size_t>(point)]; }
-  [[nodiscard]] int& spoke(int point) { return spoke_[static_cast<std::size_t>(point) + 1]; }
-
-  struct Rim {  ///< a side of the hole, seen from inside
-    int a, b;
-    int outside;
-  };
-  const std::vector<Vector2d>& points_;
-  std::vector<Triangle> triangles_;
-  std::vector<std::uint8_t> dug_;
-  std::vector<int> hole_;  ///< triangles whose circles contain the point
-  std::vector<Rim> rim_;
-  std::vector<int> spoke_;  ///< by corner of the rim: the new triangle whose side on the rim starts there
-  int last_ = 0;            ///< a finite triangle near the last point
-};
-
-void Growth::start(int a, int b, int c) {
-  if (orientation(at(a), at(b), at(c)) < 0) std::swap(b, c);
-  triangles_ = {{{a, b, c}, {2, 3, 1}},           //
-                {{b, a, kInfinity}, {3, 2, 0}},   // beyond side a b
-                {{c, b, kInfinity}, {1, 3, 0}},   // beyond side b c
-                {{a, c, kInfinity}, {2, 1, 0}}};  // beyond side c a
-  dug_.assign(4, 0);
-}
-
-/// Walks towards p across the sides that separate it from p; in a Delaunay triangulation this always ends.
-int Growth::walk(const Vector2d& p) const {
-  int t = last_;
-  while (true) {
-    const Triangle& here = triangles_[static_cast<std::size_t>(t)];
-    if (holds_infinity(here)) return t;
-    int next = -1;
-    for (int k = 0; k < 3 && next < 0; ++k) {
-      if (orientation(at(here.corner[after(k)]), at(here.corner[before(k)]), p) < 0) next = here.neighbour[k];
-    }
-    if (next < 0) return t;
-    t = next;
-  }
-}
-
-bool Growth::in_conflict(const Triangle& t, const Vector2d& p) const {
-  for (int k = 0; k < 3; ++k) {
-    if (t.corner[k] != kInfinity) continue;
-    const Vector2d &a = at(t.corner[after(k)]), &b = at(t.corner[before(k)]);
-    const double side = orientation(a, b, p);
-    return side > 0 || (side == 0 && between(a, b, p));
-  }
-  return in_circle(at(t.corner[0]), at(t.corner[1]), at(t.corner[2]), p) > 0;
-}
-
-void Growth::dig(int seed, const Vector2d& p) {
-  hole_.assign(1, seed);
-  rim_.clear();
-  dug_[static_cast<std::size_t>(seed)] = 1;
-  for (std::size_t i = 0; i < hole_.size(); ++i) {
-    const Triangle here = triangles_[static_cast<std::size_t>(hole_[i])];
-    for (int k = 0; k < 3; ++k) {
-      const int other = here.neighbour[k];
-      if (dug_[static_cast<std::size_t>(other)]) continue;
-      if (in_conflict(triangles_[static_cast<std::size_t>(other)], p)) {
-        dug_[static_cast<std::size_t>(other)] = 1;
-        hole_.push_back(other);
-      } else {
-        rim_.push_back({here.corner[after(k)], here.corner[before(k)], other});
-      }
-    }
-  }
-}
-
-/// Makes a fan of triangles from the rim to p: two more than the hole had.
-void Growth::fill(int p) {
-  while (hole_.size() < rim_.size()) {
-    hole_.push_back(static_cast<int>(triangles_.size()));
-    triangles_.push_back({});
-    dug_.push_back(0);
-  }
-  for (std::size_t i = 0; i < rim_.size(); ++i) {
-    const Rim& side = rim_[i];
-    const int id = hole_[i];
-    triangles_[static_cast<std::size_t>(id)] = {{side.a, side.b, p}, {-1, -1, side.outside}};
-    dug_[static_cast<std::size_t>(id)] = 0;
-    spoke(side.a) = id;
-    Triangle& outside = triangles_[static_cast<std::size_t>(side.outside)];
-    for (int k = 0; k < 3; ++k) {
-      if (outside.corner[after(k)] == side.b && outside.corner[before(k)] == side.a) outside.neighbour[k] = id;
-    }
-    if (side.a != kInfinity && side.b != kInfinity) last_ = id;
-  }
-  for (std::size_t i = 0; i < rim_.size(); ++i) {
-    const int next = spoke(rim_[i].b);
-    triangles_[static_cast<std::size_t>(hole_[i])].neighbour[0] = next;
-    triangles_[static_cast<std::size_t>(next)].neighbour[1] = hole_[i];
-  }
-}
-
-void Growth::insert(int p) {
-  const int seed = walk(at(p));
-  for (const int corner : triangles_[static_cast<std::size_t>(seed)].corner) {
-    if (corner != kInfinity && at(corner) == at(p)) return;
-  }
-  dig(seed, at(p));
-  fill(p);
-}
-
-std::vector<Triangle> Growth::finite() const {
-  std::vector<int> renamed(triangles_.size(), Triangulation::kNone);
+/// The triangles without a corner at infinity, with points by their place in `order`, which lists them as inserted.
+std::vector<Triangle> finite_triangles(const DynamicDelaunay& grown, const std::vector<int>& order) {
+  const auto all = grown.triangles();
+  std::vector<int> renamed(all.size(), Triangulation::kNone);
   int count = 0;
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    if (!holds_infinity(triangles_[t])) renamed[t] = count++;
+  for (std::size_t t = 0; t < all.size(); ++t) {
+    if (DynamicDelaunay::is_finite(all[t])) renamed[t] = count++;
   }
   std::vector<Triangle> kept(static_cast<std::size_t>(count));
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+  for (std::size_t t = 0; t < all.size(); ++t) {
     if (renamed[t] < 0) continue;
-    Triangle& to = kept[static_cast<std::size_t>(renamed[t])] = triangles_[t];
-    for (int& n : to.neighbour) n = renamed[static_cast<std::size_t>(n)];
+    Triangle& to = kept[static_cast<std::size_t>(renamed[t])];
+    for (int k = 0; k < 3; ++k) {
+      to.corner[k] = order[static_cast<std::size_t>(all[t].corner[k])];
+      to.neighbour[k] = renamed[static_cast<std::size_t>(all[t].neighbour[k])];
+    }
   }
   return kept;
 }
@@ -207,18 +81,10 @@ Triangulation::Triangulation(std::vector<Vector2d> points) : points_(std::move(p
     high = high.cwiseMax(p);
   }
   const std::vector<int> order = hilbert_order(points_, low_, (high - low_).maxCoeff());
-  const auto at = [&](std::size_t i) -> const Vector2d& { return points_[static_cast<std::size_t>(order[i])]; };
-  std::size_t second = 1;
-  while (second < order.size() && at(second) == at(0)) ++second;
-  std::size_t third = second + 1;
-  while (third < order.size() && orientation(at(0), at(second), at(third)) == 0) ++third;
-  if (third >= order.size()) refuse("all points lie on one line");
-  Growth growth(points_);
-  growth.start(order[0], order[second], order[third]);
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    if (i != second && i != third) growth.insert(order[i]);
-  }
-  triangles_ = growth.finite();
+  DynamicDelaunay grown(static_cast<int>(points_.size()), DynamicDelaunay::Order::kNear);
+  for (const int i : order) grown.insert(points_[static_cast<std::size_t>(i)], 0);
+  if (grown.triangles().empty()) refuse("all points lie on one line");
+  triangles_ = finite_triangles(grown, order);
   const Vector2d span = high - low_;
   cell_ = std::max(std::sqrt(4 * span.x() * span.y() / static_cast<double>(points_.size())), span.maxCoeff() / 1024);
   cells_x_ = 1 + static_cast<int>(span.x() / cell_);

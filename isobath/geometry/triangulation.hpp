@@ -1,12 +1,12 @@
 // Triangulation: the Delaunay triangulation of scattered points in the plane (ledger S1-14).
 //
-// No circle through the corners of a triangle contains another point. Points are inserted one after the other along a
-// Hilbert curve; each insertion retriangulates the triangles whose circles contain the point (Bowyer 1981, Watson
-// 1981), with exact predicates. Finite points that span an area give a valid triangulation, including grids and
-// collinear points. Points that coincide exactly with an earlier one are corners of no triangle. The corners of a
-// triangle are listed in the positive sense, from x to y. Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a
-// grid, where the corners of a cell lie on one circle. Memory: about 100 bytes a point. Errors: the constructor throws
-// Error if there are fewer than three points, or if all lie on one line. Threads: any number may read.
+// No circle through the corners of a triangle contains another point. Points are inserted into a DynamicDelaunay one
+// after the other along a Hilbert curve, and the result is kept in a compact form for queries. Finite points that span
+// an area give a valid triangulation, including grids and collinear points. Points that coincide exactly with an
+// earlier one are corners of no triangle. The corners of a triangle are listed in the positive sense, from x to y.
+// Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a grid, where the corners of a cell lie on one circle.
+// Memory: about 100 bytes a point. Errors: the constructor throws Error if there are fewer than three points, or if all
+// lie on one line. Threads: any number may read.
 #pragma once
 
 #include <array>
