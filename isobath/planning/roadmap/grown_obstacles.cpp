@@ -21,9 +21,9 @@ double leg_to_leg(const Vector2d& a, const Vector2d& b, const Vector2d& c, const
     const double s = cross(c - a, side) / turn, t = cross(c - a, way) / turn;
     if (s >= 0 && s <= 1 && t >= 0 && t <= 1) return 0;
   }
-  return std::sqrt(std::min({(nearest_on_segment(c, d, a) - a).squaredNorm(), (nearest_on_segment(c, d, b) - b).squaredNorm(),
-                             (nearest_on_segment(a, b, c) - c).squaredNorm(),
-                             (nearest_on_segment(a, b, d) - d).squaredNorm()}));
+  return std::sqrt(
+      std::min({(nearest_on_segment(c, d, a) - a).squaredNorm(), (nearest_on_segment(c, d, b) - b).squaredNorm(),
+                (nearest_on_segment(a, b, c) - c).squaredNorm(), (nearest_on_segment(a, b, d) - d).squaredNorm()}));
 }
 
 }  // namespace

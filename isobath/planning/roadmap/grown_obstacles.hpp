@@ -17,6 +17,7 @@ namespace isobath {
 /// A convex part of an obstacle.
 struct GrownPart {
   int obstacle = 0;
+  int label = 0;    ///< of its points in a triangulation, 0 or more
   Polygon outline;  ///< as it is, at least one corner
   Polygon grown;    ///< by the vehicle's radius, at least three corners, in the positive sense
 };
