@@ -5,6 +5,7 @@
 #include <isobath/geometry/dynamic_delaunay.hpp>
 #include <isobath/planning/roadmap/road_map.hpp>
 #include <isobath/planning/roadmap/visibility_graph.hpp>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <tests/planning/roadmap_scenes.hpp>
@@ -17,9 +18,19 @@ using Eigen::Vector2d;
 constexpr double kRadius = 1, kSpacing = 1;
 constexpr int kSides = 12;
 
+int most_points(const std::vector<Polygon>& bodies) {
+  double most = 40;
+  for (const Polygon& body : bodies) {
+    for (std::size_t k = 0; k < body.size(); ++k) most += 1 + (body[(k + 1) % body.size()] - body[k]).norm() / kSpacing;
+  }
+  return static_cast<int>(most);
+}
+
 struct Scene {
   explicit Scene(std::vector<Polygon> outlines, double half_m)
-      : bodies(std::move(outlines)), obstacles(test::grown_parts(bodies, kRadius, kSides)), delaunay(4000) {
+      : bodies(std::move(outlines)),
+        obstacles(test::grown_parts(bodies, kRadius, kSides)),
+        delaunay(most_points(bodies)) {
     const double out = 2 * half_m;
     for (double k = -1; k < 1; k += 0.25) {
       for (const Vector2d& p : {Vector2d(k, -1), Vector2d(1, k), Vector2d(-k, 1), Vector2d(-1, -k)}) {

@@ -9,7 +9,7 @@
 #include <isobath/planning/roadmap/grown_obstacles.hpp>
 #include <isobath/planning/roadmap/obstacle_shapes.hpp>
 #include <numbers>
-#include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 

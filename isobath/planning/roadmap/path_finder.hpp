@@ -53,7 +53,8 @@ struct PathCandidate {
   double length_m = 0;
   double deviation_m2 = 0;  ///< integral of the distance to the straight line
   double delay_s = 0;       ///< from lower speed where the clearance is below the wished one
-  double clearance_m = 0;   ///< least distance of the vehicle's centre to an outline; at most 2 x wished_clearance_m
+  double clearance_m =
+      0;  ///< least distance to the shapes of obstacles, which hold them; at most 2 x wished_clearance_m
 };
 
 enum class PathRefusal : std::uint8_t { kStartBlocked, kGoalBlocked, kNoPath };

@@ -17,10 +17,11 @@ Vector2d circle_centre(const Vector2d& a, const Vector2d& b, const Vector2d& c) 
   return a + Vector2d(v.y() * u2 - u.y() * v2, u.x() * v2 - v.x() * u2) / twice;
 }
 
-bool share_a_label(const DynamicDelaunay& points, int a, int b) {
+/// Points of the border are no obstacle together.
+bool share_an_obstacle(const DynamicDelaunay& points, int a, int b) {
   for (int p = a; p != DynamicDelaunay::kNone; p = points.twin(p)) {
     for (int q = b; q != DynamicDelaunay::kNone; q = points.twin(q)) {
-      if (points.label(p) == points.label(q)) return true;
+      if (points.label(p) == points.label(q) && points.label(p) >= 0) return true;
     }
   }
   return false;
@@ -66,6 +67,7 @@ RoadMap::RoadMap(const DynamicDelaunay& points, const GrownObstacles& obstacles,
     nodes_.push_back(centre.allFinite() && border.contains(centre) ? centre : (a + b + c) / 3);
   }
   arcs_.reserve(3 * nodes_.size() / 2);
+  has_arcs_.assign(nodes_.size(), 0);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (node_of_[t] == DynamicDelaunay::kNone) continue;
     for (int k = 0; k < 3; ++k) {
@@ -86,7 +88,7 @@ void RoadMap::cross_side(int triangle, int slot) {
   const int from = node_of_[static_cast<std::size_t>(triangle)];
   const int to = node_of_[static_cast<std::size_t>(t.neighbour[slot])];
   const int a = t.corner[(slot + 1) % 3], b = t.corner[(slot + 2) % 3];
-  if (to == DynamicDelaunay::kNone || share_a_label(points_, a, b)) return;
+  if (to == DynamicDelaunay::kNone || share_an_obstacle(points_, a, b)) return;
   const Vector2d &p = nodes_[static_cast<std::size_t>(from)], &q = nodes_[static_cast<std::size_t>(to)];
   const auto add = [&](const Vector2d& via) {
     double near = INFINITY;
@@ -96,6 +98,7 @@ void RoadMap::cross_side(int triangle, int slot) {
       }
     }
     arcs_.push_back({from, to, via, (via - p).norm() + (q - via).norm(), near});
+    has_arcs_[static_cast<std::size_t>(from)] = has_arcs_[static_cast<std::size_t>(to)] = 1;
   };
   const int in_the_way = obstacles_.blocker(p, q);
   if (in_the_way == GrownObstacles::kNone) {
@@ -124,9 +127,8 @@ std::vector<int> RoadMap::attach(const Vector2d& p) const {
   const auto try_around = [&](int corner) {
     for (const int t : points_.around(corner)) {
       const int node = node_of_[static_cast<std::size_t>(t)];
-      if (node != DynamicDelaunay::kNone && obstacles_.is_free(p, nodes_[static_cast<std::size_t>(node)])) {
-        found.push_back(node);
-      }
+      if (node == DynamicDelaunay::kNone || !has_arcs_[static_cast<std::size_t>(node)]) continue;
+      if (obstacles_.is_free(p, nodes_[static_cast<std::size_t>(node)])) found.push_back(node);
     }
   };
   try_around(nearest);

@@ -4,7 +4,7 @@
 // Nodes are the triangles, at the centres of their circles (the Voronoi vertices), or at their centroids where a centre
 // lies outside the border. Arcs cross the edges between points of different parts: a straight arc runs midway between
 // both. Each arc is tested against the grown obstacles; one that is not free goes through the middle of the gap, or is
-// dropped. An edge between two points that have a label in common gives no arc.
+// dropped. An edge between two points of one part gives no arc.
 //
 // Connectivity: if the sides of all parts carry points at most s apart, a path that keeps a distance d from all
 // obstacles can be drawn onto the dual, where it keeps sqrt(d^2 - s^2 / 4) (a Voronoi edge runs where the nearest point
@@ -44,7 +44,7 @@ class RoadMap {
   [[nodiscard]] const std::vector<Eigen::Vector2d>& nodes() const { return nodes_; }
   [[nodiscard]] const std::vector<Arc>& arcs() const { return arcs_; }
   [[nodiscard]] const std::vector<Shut>& shut() const { return shut_; }
-  /// The nodes near p that a free leg joins to it: those around the point nearest to p, whose Voronoi cell holds p.
+  /// The nodes with arcs that a free leg joins to p: those around the point nearest to p, whose Voronoi cell holds p.
   /// Where there is none, those around its neighbours.
   [[nodiscard]] std::vector<int> attach(const Eigen::Vector2d& p) const;
 
@@ -57,6 +57,7 @@ class RoadMap {
   std::vector<int> part_of_label_;
   std::vector<int> node_of_;  ///< by triangle
   std::vector<Eigen::Vector2d> nodes_;
+  std::vector<char> has_arcs_;
   std::vector<Arc> arcs_;
   std::vector<Shut> shut_;
 };
