@@ -177,7 +177,7 @@ struct Field {
       const Polygon outline = outline_of(body, corners);
       const Polygon shape = enclosed ? convex_enclosure(outline) : outline;
       const int label = static_cast<int>(parts.size());
-      parts.push_back({label, label, shape, grown(shape, 2, 12)});
+      parts.push_back({label, label, shape, grown_polygon(shape, 2, 12)});
       for (std::size_t i = 0; i < shape.size(); ++i) {
         const Vector2d side = shape[(i + 1) % shape.size()] - shape[i];
         const double pieces = std::ceil(side.norm());

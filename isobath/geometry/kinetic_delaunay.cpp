@@ -19,7 +19,7 @@ template <int N>
 using Polynomial = std::array<double, static_cast<std::size_t>(N) + 1>;
 
 template <int N, int M>
-Polynomial<N + M> product(const Polynomial<N>& a, const Polynomial<M>& b) {
+Polynomial<N + M> polynomial_product(const Polynomial<N>& a, const Polynomial<M>& b) {
   Polynomial<N + M> c{};
   for (std::size_t i = 0; i <= N; ++i) {
     for (std::size_t j = 0; j <= M; ++j) c[i + j] += a[i] * b[j];
@@ -28,7 +28,7 @@ Polynomial<N + M> product(const Polynomial<N>& a, const Polynomial<M>& b) {
 }
 
 template <std::size_t N>
-std::array<double, N> combined(const std::array<double, N>& a, const std::array<double, N>& b, double sign) {
+std::array<double, N> polynomial_sum(const std::array<double, N>& a, const std::array<double, N>& b, double sign) {
   std::array<double, N> c{};
   for (std::size_t i = 0; i < N; ++i) c[i] = a[i] + sign * b[i];
   return c;
@@ -43,15 +43,15 @@ MovingVector moving(const Vector2d& at, const Vector2d& velocity) {
 }
 
 Polynomial<2> moving_cross(const MovingVector& a, const MovingVector& b) {
-  return combined(product<1, 1>(a.x, b.y), product<1, 1>(a.y, b.x), -1);
+  return polynomial_sum(polynomial_product<1, 1>(a.x, b.y), polynomial_product<1, 1>(a.y, b.x), -1);
 }
 
 Polynomial<2> moving_square(const MovingVector& a) {
-  return combined(product<1, 1>(a.x, a.x), product<1, 1>(a.y, a.y), 1);
+  return polynomial_sum(polynomial_product<1, 1>(a.x, a.x), polynomial_product<1, 1>(a.y, a.y), 1);
 }
 
 template <std::size_t N>
-double value(const std::array<double, N>& p, double t) {
+double polynomial_value(const std::array<double, N>& p, double t) {
   double sum = 0;
   for (std::size_t i = N; i-- > 0;) sum = sum * t + p[i];
   return sum;
@@ -60,11 +60,11 @@ double value(const std::array<double, N>& p, double t) {
 /// The root of a polynomial that has values of different sign, or zero, at both ends of an interval.
 template <std::size_t N>
 double bracketed_root(const std::array<double, N>& p, double low, double high) {
-  const bool rises = value(p, high) > value(p, low);
+  const bool rises = polynomial_value(p, high) > polynomial_value(p, low);
   for (int i = 0; i < 200 && high - low > 1e-15 * std::abs(high); ++i) {
     const double middle = low + (high - low) / 2;
     if (middle <= low || middle >= high) break;
-    ((value(p, middle) > 0) == rises ? high : low) = middle;
+    ((polynomial_value(p, middle) > 0) == rises ? high : low) = middle;
   }
   return high;
 }
@@ -87,7 +87,8 @@ Roots<N> sign_changes(const std::array<double, N>& p, double end) {
     double low = 0;
     for (std::size_t i = 0; i <= turns.count; ++i) {
       const double high = i < turns.count ? turns.at[i] : end;
-      if ((value(p, low) > 0) != (value(p, high) > 0)) roots.at[roots.count++] = bracketed_root(p, low, high);
+      if ((polynomial_value(p, low) > 0) != (polynomial_value(p, high) > 0))
+        roots.at[roots.count++] = bracketed_root(p, low, high);
       low = high;
     }
   }
@@ -258,10 +259,11 @@ void KineticDelaunay::certify(int triangle, int slot) {
     const auto [c, a, d, b] = corner;  // d inside the circle through c, a, b
     const MovingVector u = relative(c, d), v = relative(a, d), w = relative(b, d);
     const auto u2 = moving_square(u), v2 = moving_square(v), w2 = moving_square(w);
-    const auto one = product<2, 2>(u2, moving_cross(v, w)), two = product<2, 2>(v2, moving_cross(w, u));
-    const auto three = product<2, 2>(w2, moving_cross(u, v));
+    const auto one = polynomial_product<2, 2>(u2, moving_cross(v, w)),
+               two = polynomial_product<2, 2>(v2, moving_cross(w, u));
+    const auto three = polynomial_product<2, 2>(w2, moving_cross(u, v));
     const double size = std::max({u2[0], v2[0], w2[0]});
-    after = first_excess(combined(combined(one, two, 1), three, 1), kSlack * size * size, kHorizon);
+    after = first_excess(polynomial_sum(polynomial_sum(one, two, 1), three, 1), kSlack * size * size, kHorizon);
   } else {  // the three finite corners from the one after infinity on: a right turn, or the end of a triangle
     const int p = corner[(infinite + 1) % 4], q = corner[(infinite + 2) % 4], r = corner[(infinite + 3) % 4];
     const MovingVector u = relative(q, p), v = relative(r, p);

@@ -37,7 +37,7 @@ inline std::vector<Polygon> random_bodies(Random& random, int count, double half
 inline std::vector<GrownPart> grown_parts(const std::vector<Polygon>& bodies, double radius_m, int sides) {
   std::vector<GrownPart> parts;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    parts.push_back({static_cast<int>(i), static_cast<int>(i), bodies[i], grown(bodies[i], radius_m, sides)});
+    parts.push_back({static_cast<int>(i), static_cast<int>(i), bodies[i], grown_polygon(bodies[i], radius_m, sides)});
   }
   return parts;
 }

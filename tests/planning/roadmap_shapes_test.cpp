@@ -21,7 +21,7 @@ TEST(RoadmapShapes, ABorderOfAGrownPolygonIsWithinTheBound) {
       const double radius = random.uniform(0.1, 5);
       Polygon body = test::random_body(random, {3, -2}, 4, 2 + i % 8);
       if (i % 10 == 0) body.resize(1);
-      const Polygon border = grown(body, radius, sides);
+      const Polygon border = grown_polygon(body, radius, sides);
       const double bound = radius * (1 / std::cos(std::numbers::pi / sides) - 1);
       for (std::size_t k = 0; k < border.size(); ++k) {
         for (double share = 0; share < 1; share += 0.1) {

@@ -11,7 +11,7 @@ namespace isobath {
 namespace {
 
 using Eigen::Vector2d;
-using Corners = std::vector<std::size_t>;
+using CornerIds = std::vector<std::size_t>;
 
 /// The corner that takes the place of side i to i + 1 when its neighbours are extended, if they meet.
 std::optional<Vector2d> corner_instead_of_side(const Polygon& hull, std::size_t i) {
@@ -24,10 +24,10 @@ std::optional<Vector2d> corner_instead_of_side(const Polygon& hull, std::size_t 
 }
 
 /// Index triples of a triangulation of a simple polygon in the positive sense.
-std::vector<Corners> ears_of(const Polygon& polygon) {
-  Corners rest(polygon.size());
+std::vector<CornerIds> ears_of(const Polygon& polygon) {
+  CornerIds rest(polygon.size());
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = i;
-  std::vector<Corners> ears;
+  std::vector<CornerIds> ears;
   const auto is_ear = [&](std::size_t a, std::size_t b, std::size_t c) {
     if (orientation(polygon[a], polygon[b], polygon[c]) <= 0) return false;
     return std::none_of(rest.begin(), rest.end(), [&](std::size_t p) {
@@ -58,12 +58,12 @@ std::vector<Corners> ears_of(const Polygon& polygon) {
 }
 
 /// Joins b to a over a side that both have, if the result is convex.
-bool joined(const Polygon& polygon, Corners& a, const Corners& b) {
+bool join_parts(const Polygon& polygon, CornerIds& a, const CornerIds& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     const std::size_t from = a[i], to = a[(i + 1) % a.size()];
     for (std::size_t j = 0; j < b.size(); ++j) {
       if (b[j] != to || b[(j + 1) % b.size()] != from) continue;
-      Corners whole;  // around a from `to` back to `from`, then around b
+      CornerIds whole;  // around a from `to` back to `from`, then around b
       for (std::size_t k = 0; k < a.size(); ++k) whole.push_back(a[(i + 1 + k) % a.size()]);
       for (std::size_t k = 2; k < b.size(); ++k) whole.push_back(b[(j + k) % b.size()]);
       for (std::size_t k = 0; k < whole.size(); ++k) {
@@ -79,7 +79,7 @@ bool joined(const Polygon& polygon, Corners& a, const Corners& b) {
 
 }  // namespace
 
-Polygon grown(const Polygon& convex, double radius_m, int sides) {
+Polygon grown_polygon(const Polygon& convex, double radius_m, int sides) {
   ISOBATH_ASSERT(radius_m >= 0 && sides >= 3 && !convex.empty());
   const double out = radius_m / std::cos(std::numbers::pi / sides);
   std::vector<Vector2d> sums;
@@ -119,10 +119,10 @@ std::vector<Polygon> convex_parts(const Polygon& outline) {
   if (!is_simple(outline)) return {convex_hull(outline)};
   Polygon polygon = outline;
   if (area(polygon) < 0) std::reverse(polygon.begin(), polygon.end());
-  std::vector<Corners> parts = ears_of(polygon);
+  std::vector<CornerIds> parts = ears_of(polygon);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (std::size_t j = i + 1; j < parts.size();) {
-      if (!joined(polygon, parts[i], parts[j])) {
+      if (!join_parts(polygon, parts[i], parts[j])) {
         ++j;
         continue;
       }
@@ -132,7 +132,7 @@ std::vector<Polygon> convex_parts(const Polygon& outline) {
   }
   if (parts.empty()) return {convex_hull(outline)};
   std::vector<Polygon> result;
-  for (const Corners& part : parts) {
+  for (const CornerIds& part : parts) {
     Polygon& p = result.emplace_back();
     for (const std::size_t i : part) p.push_back(polygon[i]);
   }

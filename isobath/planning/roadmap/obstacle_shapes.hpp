@@ -18,7 +18,7 @@ enum class ShapeDetail : std::uint8_t { kEnclosure, kHull, kParts };
 /// The Minkowski sum of a convex polygon (one or two corners make a point or a segment) with a regular polygon of
 /// `sides` sides around a disc. Its border is at a distance between the radius and radius / cos(pi / sides) from the
 /// polygon (S3-10). sides >= 3; a radius of 0 gives the hull.
-Polygon grown(const Polygon& convex, double radius_m, int sides);
+Polygon grown_polygon(const Polygon& convex, double radius_m, int sides);
 
 /// A convex polygon of at most `max_corners` (>= 4) corners that holds the points, to rounding: their hull, from which
 /// sides are taken away, each time the one that adds the least area. Cost: 1 us for 12 corners.

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
-using Points = std::vector<Vector2d>;
+using PathPoints = std::vector<Vector2d>;
 
 constexpr int kBorderLabel = -1;
 constexpr int kBorderPoints = 8;    // a side
@@ -29,7 +29,7 @@ AlignedBox2d border_around(const PathFinderConfig& c) {
   return {c.region.min() - beyond, c.region.max() + beyond};
 }
 
-bool is_same_path(const Points& a, const Points& b) {
+bool is_same_path(const PathPoints& a, const PathPoints& b) {
   const auto near = [](const Vector2d& p, const Vector2d& q) { return (p - q).norm() < kSamePath; };
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), near);
 }
@@ -161,7 +161,7 @@ GrownObstacles PathFinder::grow() const {
   std::vector<GrownPart> parts;
   for (const auto& [id, obstacle] : obstacles_) {
     for (const Part& part : obstacle.parts) {
-      parts.push_back({id, part.label, part.outline, grown(part.outline, config_.radius_m, config_.sides)});
+      parts.push_back({id, part.label, part.outline, grown_polygon(part.outline, config_.radius_m, config_.sides)});
     }
   }
   return GrownObstacles(std::move(parts));
@@ -265,15 +265,15 @@ PathCandidates PathFinder::found(const RoadMap& map, const GrownObstacles& grown
   const ParetoSet pareto = pareto_paths(last + 1, roads.arcs, first, last, {config_.tolerance, config_.max_labels});
   PathCandidates result;
   result.complete = pareto.complete;
-  const auto add = [&](Points points) {
+  const auto add = [&](PathPoints points) {
     const bool known = std::any_of(result.paths.begin(), result.paths.end(),
                                    [&](const PathCandidate& p) { return is_same_path(p.points, points); });
     if (!known) result.paths.push_back(measured(grown, std::move(points)));
   };
-  Points shortest = VisibilityGraph(grown).shortest_path(start, goal);
+  PathPoints shortest = VisibilityGraph(grown).shortest_path(start, goal);
   if (!shortest.empty()) add(std::move(shortest));
   for (const ParetoPath& path : pareto.paths) {
-    Points points{start};
+    PathPoints points{start};
     for (std::size_t i = 1; i < path.nodes.size(); ++i) {
       const int a = path.nodes[i - 1], b = path.nodes[i];
       if (a < first && b < first) points.push_back(roads.between(map, a, b).via);
@@ -290,10 +290,10 @@ PathCandidates PathFinder::found(const RoadMap& map, const GrownObstacles& grown
 }
 
 /// Leaves out corners while the path keeps the clearance that it has, or the wished one.
-void PathFinder::straighten(const GrownObstacles& grown, Points& points) const {
+void PathFinder::straighten(const GrownObstacles& grown, PathPoints& points) const {
   double keep = config_.wished_clearance_m;
   for (std::size_t i = 1; i < points.size(); ++i) keep = grown.distance(points[i - 1], points[i], keep);
-  Points straight{points.front()};
+  PathPoints straight{points.front()};
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     const Vector2d &from = straight.back(), &to = points[i + 1];
     const bool skips = grown.is_free(from, to) && grown.distance(from, to, keep) >= keep;
@@ -303,7 +303,7 @@ void PathFinder::straighten(const GrownObstacles& grown, Points& points) const {
   points = std::move(straight);
 }
 
-PathCandidate PathFinder::measured(const GrownObstacles& grown, Points points) const {
+PathCandidate PathFinder::measured(const GrownObstacles& grown, PathPoints points) const {
   PathCandidate path;
   path.clearance_m = 2 * config_.wished_clearance_m;
   for (std::size_t i = 1; i < points.size(); ++i) {

@@ -7,11 +7,14 @@
 // dropped. An edge between two points of one part gives no arc.
 //
 // Connectivity: if the sides of all parts carry points at most s apart, a path that keeps a distance d from all
-// obstacles can be drawn onto the dual, where it keeps sqrt(d^2 - s^2 / 4) (a Voronoi edge runs where the nearest point
-// is as far away as possible, and between two points on a side nothing is nearer than that). So every gap is kept that
-// is wider than 2 sqrt(g^2 + s^2 / 4), g the growth of the obstacles.
+// obstacles can be drawn onto the dual, where it keeps sqrt(d^2 - s^2 / 4): the dual runs where the nearest point is as
+// far away as possible, and a side is at most that much nearer than its nearest point. So every gap is kept that is
+// wider than 2 sqrt(g^2 + s^2 / 4), where g is the growth of the obstacles, radius / cos(pi / sides) at most. A test
+// compares this with a flood fill, also where obstacles overlap.
 //
-// Units: m. At most three arcs a triangle and two triangles a point: O(n) in time and memory. Threads: any may read.
+// Units: m. At most three arcs a triangle and two triangles a point: O(n) in time and memory; measured exponent 1.02
+// from 50 to 800 obstacles of 6 corners, 15 ms for 800 (2.0 GHz, one core). Threads: one at a time, because `attach`
+// uses the lists of the triangulation.
 #pragma once
 
 #include <array>
