@@ -4,7 +4,7 @@
 // after the other along a Hilbert curve, and the result is kept in a compact form for queries. Finite points that span
 // an area give a valid triangulation, including grids and collinear points. Points that coincide exactly with an
 // earlier one are corners of no triangle. The corners of a triangle are listed in the positive sense, from x to y.
-// Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a grid, where the corners of a cell lie on one circle.
+// Cost: 0.14 s for 1e5 random points on one core of 2.0 GHz, 0.49 s for a grid, where corners lie on one circle.
 // Memory: about 100 bytes a point. Errors: the constructor throws Error if there are fewer than three points, or if all
 // lie on one line. Threads: any number may read.
 #pragma once
