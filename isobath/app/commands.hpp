@@ -40,6 +40,7 @@ Action add_delay(CLI::App& program);
 Action add_helix(CLI::App& program);
 Action add_sphere(CLI::App& program);
 Action add_track(CLI::App& program);
+Action add_traffic(CLI::App& program);
 Action add_config(CLI::App& program);
 Action add_help(CLI::App& program);
 

@@ -25,6 +25,12 @@ class LatencyHistogram {
     ++count_;
     worst_ms_ = std::max(worst_ms_, milliseconds);
   }
+  /// The times of another histogram.
+  void add(const LatencyHistogram& other) {
+    for (std::size_t step = 0; step < kSteps; ++step) counts_[step] += other.counts_[step];
+    count_ += other.count_;
+    worst_ms_ = std::max(worst_ms_, other.worst_ms_);
+  }
   [[nodiscard]] StageTime time() const {
     if (count_ == 0) return {};
     return {count_, at(count_ / 2), at(count_ * 99 / 100), worst_ms_};

@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+#include <isobath/app/commands.hpp>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
+#include <isobath/app/settings_json.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/pending_file.hpp>
+#include <isobath/studies/traffic_pictures.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+struct TrafficOptions {
+  TrafficRequest request;
+  SettingOptions config;
+  std::filesystem::path out = "out/traffic";
+  std::vector<std::string> methods;
+  bool show_settings = false;
+  bool json = false;
+};
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const TrafficMethod method : kTrafficMethods) names.push_back(to_text(method));
+  return names;
+}
+
+nlohmann::ordered_json interval_json(const Interval& interval) {
+  return nlohmann::ordered_json::array({interval.low, interval.high});
+}
+
+nlohmann::ordered_json traffic_json(const TrafficStudy& study) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const TrafficRow& row : study.rows) {
+    rows.push_back({{"method", to_text(row.method)},
+                    {"bodies", row.discs},
+                    {"max_speed", row.max_speed},
+                    {"runs", row.runs},
+                    {"arrived", row.arrived},
+                    {"contacts", row.contacts},
+                    {"contact_interval", interval_json(row.contact_share)},
+                    {"deep_contacts", row.deep_contacts},
+                    {"deep_interval", interval_json(row.deep_share)},
+                    {"runs_without_motion", row.without_motion},
+                    {"time_median", row.time_median},
+                    {"time_p95", row.time_p95},
+                    {"gap_median_m", row.gap_median_m},
+                    {"gap_least_m", row.gap_least_m},
+                    {"step_median_ms", row.step.median_ms},
+                    {"step_p99_ms", row.step.p99_ms},
+                    {"step_worst_ms", row.step.worst_ms},
+                    {"contact_runs", row.contact_runs}});
+  }
+  return rows;
+}
+
+int cross(TrafficOptions& options) {
+  TrafficRequest& request = options.request;
+  std::vector<Section> all = sections(request);
+  options.config.read_into(all);
+  if (options.show_settings) {
+    if (options.json) {
+      print_json(settings_json({all, {}}, false));
+    } else {
+      fmt::print("{}", write_toml(all, true));
+    }
+    return kSuccess;
+  }
+  if (!options.methods.empty()) {
+    request.methods.clear();
+    for (const TrafficMethod method : kTrafficMethods) {
+      if (std::ranges::find(options.methods, to_text(method)) != options.methods.end())
+        request.methods.push_back(method);
+    }
+  }
+  check_output_folder(options.out, "--out");
+  const TrafficStudy study = study_traffic(request);
+  make_folder(options.out);
+  const std::string picture = traffic_picture(request, request.first_run, std::ranges::max(request.discs),
+                                              std::ranges::max(request.max_speeds));
+  write_whole_file(options.out / "traffic.png", picture);
+  if (options.json) {
+    nlohmann::ordered_json json{{"first_run", request.first_run}, {"rows", traffic_json(study)}};
+    add_files(json, options.out, {"traffic.png"});
+    print_json(json);
+    return kSuccess;
+  }
+  fmt::print("{}time over the time in open water, median and 95 %; gap median and least\nwritten to {}: traffic.png\n",
+             traffic_table(study), options.out.string());
+  return kSuccess;
+}
+
+}  // namespace
+
+Action add_traffic(CLI::App& program) {
+  auto options = std::make_shared<TrafficOptions>();
+  TrafficRequest& request = options->request;
+  request.threads = 2;
+  CLI::App* command = program.add_subcommand(
+      "traffic", "Cross moving traffic in random scenes; report contacts, time and planning time of each method");
+  command->add_option("--out,-o", options->out, "Folder for the picture")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->capture_default_str()
+      ->group("Output");
+  add_json_flag(*command, options->json);
+  command->add_flag("--settings", options->show_settings, "Print all settings, explained, and exit")->group("Output");
+  command->add_option("--bodies", request.discs, "Number of moving bodies; may be repeated")
+      ->default_str("20, 50 and 100")
+      ->check(whole(1, 1000))
+      ->group("Scenes");
+  command->add_option("--speed", request.max_speeds, "Maximum speed of the bodies, m/s; may be repeated")
+      ->default_str("0.5, 1 and 1.5")
+      ->check(number(0.01, 10))
+      ->group("Scenes");
+  command->add_option("--runs", request.runs, "Runs for each number of bodies and speed")
+      ->capture_default_str()
+      ->check(whole(1, 100'000))
+      ->group("Scenes");
+  command->add_option("--first-run", request.first_run, "Number of the first run, from which its scene is drawn")
+      ->capture_default_str()
+      ->check(whole(0, 1'000'000))
+      ->group("Scenes");
+  command->add_option("--planner", options->methods, "Method; may be repeated")
+      ->type_name("NAME")
+      ->default_str("all")
+      ->check(one_of(method_names()))
+      ->group("Scenes");
+  command->add_option("--threads", request.threads, "Runs in parallel; the results are the same")
+      ->capture_default_str()
+      ->check(whole(1, 64))
+      ->group("Scenes");
+  const auto names = [] {
+    TrafficRequest defaults;
+    return setting_names(sections(defaults));
+  };
+  options->config.add_to(*command, names, "planner.margin=0.5; isobath traffic --settings lists all");
+  add_example(*command, "traffic --runs 20");
+  add_example(*command, "traffic --bodies 100 --speed 1.5 --planner planner --planner orca --json");
+  add_example(*command, "traffic --set vehicle.min_speed=0.8 --runs 50");
+  return [options] { return cross(*options); };
+}
+
+}  // namespace isobath::app

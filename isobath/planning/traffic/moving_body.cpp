@@ -1,0 +1,45 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/planning/traffic/moving_body.hpp>
+
+namespace isobath {
+namespace {
+
+double greatest_eigenvalue(const Eigen::Matrix2d& m) {
+  const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1)), off = 0.5 * (m(0, 1) + m(1, 0));
+  return mean + std::hypot(half, off);
+}
+
+}  // namespace
+
+bool is_valid(const MovingBody& body) {
+  const auto corner_is_finite = [](const Eigen::Vector2d& corner) { return corner.allFinite(); };
+  return body.p_W.allFinite() && body.velocity_W.allFinite() && std::isfinite(body.radius_m) && body.radius_m >= 0 &&
+         std::isfinite(body.turn_rate) && std::ranges::all_of(body.outline, corner_is_finite) &&
+         body.position_covariance.allFinite() && body.velocity_covariance.allFinite() &&
+         body.position_covariance.diagonal().minCoeff() >= 0 && body.velocity_covariance.diagonal().minCoeff() >= 0;
+}
+
+double circumscribed_radius(const MovingBody& body) {
+  double farthest = 0;
+  for (const Eigen::Vector2d& corner : body.outline) farthest = std::max(farthest, corner.norm());
+  return farthest + body.radius_m;
+}
+
+double predicted_growth(const MovingBody& body, double ahead_s, double sigmas) {
+  if (body.position_covariance.isZero(0) && body.velocity_covariance.isZero(0)) return 0;
+  const Eigen::Matrix2d spread = body.position_covariance + ahead_s * ahead_s * body.velocity_covariance;
+  return sigmas * std::sqrt(std::max(0.0, greatest_eigenvalue(spread)));
+}
+
+double distance_to(const MovingBody& body, const Eigen::Vector2d& p_W, double ahead_s) {
+  const Eigen::Vector2d from = p_W - body.p_W - ahead_s * body.velocity_W;
+  if (body.outline.empty()) return from.norm() - body.radius_m;
+  const double c = std::cos(body.turn_rate * ahead_s), s = std::sin(body.turn_rate * ahead_s);
+  const Eigen::Vector2d p(c * from.x() + s * from.y(), c * from.y() - s * from.x());
+  if (body.outline.size() < 3) return distance_from(body.outline, p) - body.radius_m;
+  const double inside = inner_distance(body.outline, p);
+  return (inside > 0 ? -inside : distance_from(body.outline, p)) - body.radius_m;
+}
+
+}  // namespace isobath

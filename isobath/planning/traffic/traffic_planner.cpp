@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/config.hpp>
+#include <isobath/planning/traffic/traffic_planner.hpp>
+#include <limits>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+constexpr double kOffPlan_m = 0.05, kOffPlanHeading = 0.02, kOffPlanSpeed = 0.05;
+constexpr int kOutlineParts = 4;  ///< of a chord, for a body that turns
+
+bool is_finite(const MotionState& state) {
+  return state.p_W.allFinite() && std::isfinite(state.heading) && std::isfinite(state.speed);
+}
+
+}  // namespace
+
+std::vector<Field> fields(TrafficConfig& c) {
+  std::vector<Field> all = {
+      Field::real("margin", &c.margin_m, {0, 100}, "m", "Distance between hull and bodies that a plan keeps."),
+      Field::real("sigmas", &c.sigmas, {0, 10}, "1", "Standard deviations by which predicted bodies grow."),
+      Field::real("replan", &c.replan_s, {0, 60}, "s", "Time between searches while the plan stays free."),
+      Field::real("gain", &c.gain_s, {0, 60}, "s", "Gain of arrival time for which a free plan is replaced."),
+  };
+  for (Field& field : fields(c.search)) all.push_back(std::move(field));
+  return all;
+}
+
+std::string to_text(TrafficAction action) {
+  switch (action) {
+    case TrafficAction::kFollow: return "follow";
+    case TrafficAction::kEvade: return "evade";
+    case TrafficAction::kStop: return "stop";
+    case TrafficAction::kRetreat: return "retreat";
+    case TrafficAction::kHold: return "hold";
+    case TrafficAction::kRefuse: break;
+  }
+  return "refuse";
+}
+
+TrafficPlanner::TrafficPlanner(const TrafficConfig& config, const TrafficVehicle& vehicle)
+    : config_(config), vehicle_(vehicle), search_(config.search, vehicle) {
+  if (!(vehicle.min_speed >= 0 && vehicle.min_speed < vehicle.max_speed)) {
+    throw Error("the minimum speed of the vehicle is not below its maximum speed", {.key = "min_speed"},
+                fmt::format("0 .. {} m/s", vehicle.max_speed));
+  }
+}
+
+void TrafficPlanner::set_goal(const Eigen::Vector2d& goal_W, double arrival_m) {
+  goal_W_ = goal_W;
+  arrival_m_ = arrival_m;
+  plan_.trajectory.segments.clear();
+  searched_.reset();
+}
+
+bool TrafficPlanner::on_plan(const MotionState& own, Time now) const {
+  if (plan_.trajectory.segments.empty()) return false;
+  const double from_s = to_seconds(now - plan_.start);
+  if (from_s < 0 || from_s >= plan_.trajectory.duration_s()) return false;
+  const MotionState there = plan_.trajectory.at(from_s);
+  return (own.p_W - there.p_W).norm() < kOffPlan_m &&
+         std::abs(std::remainder(own.heading - there.heading, 2 * std::numbers::pi)) < kOffPlanHeading &&
+         std::abs(own.speed - there.speed) < kOffPlanSpeed;
+}
+
+void TrafficPlanner::sample(const Trajectory& motion, double from_s) const {
+  const double piece_s = TrafficSearch::kStep_s / TrafficSearch::kPieces, left_s = motion.duration_s() - from_s;
+  samples_.clear();
+  for (double t = 0; t < left_s; t += piece_s) samples_.push_back({t, motion.at(from_s + t).p_W});
+  samples_.push_back({left_s, motion.at(from_s + left_s).p_W});
+}
+
+Passage TrafficPlanner::closest(const MovingBody& body, Time now) const {
+  const double age_s = to_seconds(now - body.time);
+  Passage least{body.number, 0, std::numeric_limits<double>::infinity()};
+  for (std::size_t k = 1; k < samples_.size(); ++k) {
+    const auto& [from_s, p] = samples_[k - 1];
+    const auto& [to_s, q] = samples_[k];
+    const int parts = body.outline.empty() ? 1 : kOutlineParts;
+    const double growth = predicted_growth(body, age_s + to_s, config_.sigmas) + vehicle_.radius_m;
+    for (int part = 0; part < parts; ++part) {
+      const double first = static_cast<double>(part) / parts, last = (part + 1.0) / parts;
+      const double start_s = from_s + first * (to_s - from_s), end_s = from_s + last * (to_s - from_s);
+      const Eigen::Vector2d a = p + first * (q - p) - body.p_W - (age_s + start_s) * body.velocity_W;
+      const Eigen::Vector2d side = p + last * (q - p) - body.p_W - (age_s + end_s) * body.velocity_W - a;
+      const double length2 = side.squaredNorm();
+      const double share = length2 > 0 ? std::clamp(-a.dot(side) / length2, 0.0, 1.0) : 0;
+      const double at = start_s + share * (end_s - start_s);
+      const double gap =
+          (body.outline.empty() ? (a + share * side).norm() - body.radius_m
+                                : distance_to(body, p + (at - from_s) / (to_s - from_s) * (q - p), age_s + at)) -
+          growth;
+      if (gap < least.gap_m) least = {body.number, at, gap};
+    }
+  }
+  return least;
+}
+
+bool TrafficPlanner::plan_is_free(Time now, double margin_m) const {
+  sample(plan_.trajectory, to_seconds(now - plan_.start));
+  return std::ranges::all_of(
+      bodies_, [&](const MovingBody& body) { return closest(body, now).gap_m >= margin_m + search_.chord_error_m(); });
+}
+
+std::vector<Passage> TrafficPlanner::passages(Time now, double within_m) const {
+  std::vector<Passage> all;
+  sample(plan_.trajectory, std::max(0.0, to_seconds(now - plan_.start)));
+  for (const MovingBody& body : bodies_) {
+    const Passage one = closest(body, now);
+    if (one.gap_m <= within_m) all.push_back(one);
+  }
+  std::ranges::stable_sort(all, {}, &Passage::time_s);
+  return all;
+}
+
+bool TrafficPlanner::search(const MotionState& own, Time now, double margin_m) {
+  const double steps_s = search_.steps() * TrafficSearch::kStep_s;
+  // The error of the chords counts three times: here, in the later checks of the plan, which have other chords, and as
+  // their own error.
+  traffic_.build(bodies_, {.start = now,
+                           .step_s = TrafficSearch::kStep_s,
+                           .count = search_.steps(),
+                           .distance_m = vehicle_.radius_m + margin_m + 3 * search_.chord_error_m(),
+                           .sigmas = config_.sigmas,
+                           .middle_W = own.p_W,
+                           .half_side_m = vehicle_.max_speed * steps_s,
+                           .piece_m = search_.piece_m()});
+  result_ = search_.search(traffic_, own, goal_W_, arrival_m_, found_);
+  ++work_.searches;
+  work_.expansions += result_.expansions;
+  work_.checks += traffic_.checks();
+  return result_.end != SearchEnd::kNone;
+}
+
+void TrafficPlanner::take_found(Time now, double margin_m) {
+  std::swap(plan_.trajectory, found_);
+  plan_.action = result_.end == SearchEnd::kHorizon ? TrafficAction::kFollow : TrafficAction::kEvade;
+  plan_.start = now;
+  plan_.arrival_s = result_.arrival_s;
+  plan_.free_s = result_.free_s;
+  plan_.margin_m = margin_m;
+  ++plan_.number;
+  plan_.reason.clear();
+}
+
+void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
+  struct Choice {
+    TrafficAction action;
+    double curvature, acceleration;
+  };
+  const double k = vehicle_.max_curvature(), horizon_s = config_.search.horizon_s;
+  const double slower = own.speed > vehicle_.min_speed ? -vehicle_.braking : 0;
+  const double faster = own.speed < vehicle_.max_speed ? vehicle_.acceleration : 0;
+  Passage best{0, 0, -std::numeric_limits<double>::infinity()};
+  for (const Choice& choice : {Choice{TrafficAction::kStop, 0, slower},
+                               {TrafficAction::kStop, k, slower},
+                               {TrafficAction::kStop, -k, slower},
+                               {TrafficAction::kRetreat, k, faster},
+                               {TrafficAction::kRetreat, -k, faster},
+                               {TrafficAction::kHold, 0, faster}}) {
+    found_.segments.clear();
+    const double limit = choice.acceleration > 0 ? vehicle_.max_speed : vehicle_.min_speed;
+    const double changing_s =
+        choice.acceleration == 0 ? 0 : std::min(horizon_s, (limit - own.speed) / choice.acceleration);
+    found_.append(own, choice.curvature, choice.acceleration, changing_s);
+    const double turning_s = choice.action == TrafficAction::kRetreat ? 3.1 / (k * vehicle_.max_speed) : horizon_s;
+    found_.append(own, choice.curvature, 0, std::clamp(turning_s - changing_s, 0.0, horizon_s - changing_s));
+    found_.append(own, 0, 0, std::max(0.0, horizon_s - found_.duration_s()));
+    sample(found_, 0);
+    Passage worst{0, 0, std::numeric_limits<double>::infinity()};
+    for (const MovingBody& body : bodies_) {
+      const Passage one = closest(body, now);
+      if (one.gap_m < worst.gap_m) worst = one;
+    }
+    if (worst.gap_m <= best.gap_m) continue;
+    best = worst;
+    std::swap(plan_.trajectory, found_);
+    plan_.action = choice.action;
+  }
+  plan_.start = now;
+  plan_.arrival_s = std::numeric_limits<double>::infinity();
+  plan_.free_s = 0;
+  plan_.margin_m = 0;
+  ++plan_.number;
+  plan_.reason = fmt::format("no motion keeps clear; {} comes nearest to body {}, {:.2f} m in {:.1f} s",
+                             to_text(plan_.action), best.number, best.gap_m, best.time_s);
+}
+
+const TrafficPlan& TrafficPlanner::step(const MotionState& own, Time now, std::span<const MovingBody> bodies) {
+  work_ = {};
+  if (!is_finite(own) || !goal_W_.allFinite()) {
+    plan_ = {};
+    plan_.reason = "the state of the vehicle or the goal is not finite";
+    return plan_;
+  }
+  bodies_.clear();
+  for (const MovingBody& body : bodies) {
+    if (is_valid(body)) bodies_.push_back(body);
+  }
+  work_.refused_bodies = static_cast<int>(bodies.size() - bodies_.size());
+  const bool kept = on_plan(own, now) && plan_.reason.empty();
+  const bool free = kept && plan_is_free(now, plan_.margin_m);
+  const double since_s = kept ? to_seconds(now - plan_.start) : 0;
+  const bool whole = plan_.action == TrafficAction::kFollow && plan_.margin_m == config_.margin_m;
+  if (free && whole && searched_ && to_seconds(now - *searched_) < config_.replan_s - 1e-6) return plan_;
+  searched_ = now;
+  for (const double share : {1.0, 0.5, 0.0}) {
+    const double margin_m = share * config_.margin_m;
+    if (free && margin_m < plan_.margin_m) return plan_;
+    if (!search(own, now, margin_m)) continue;
+    const bool better = result_.arrival_s < plan_.arrival_s - since_s - config_.gain_s;
+    const bool as_far = result_.end == SearchEnd::kHorizon;
+    const bool old = since_s > 0.5 * plan_.free_s;
+    if (!free || (as_far && (better || old || !whole)) || (!as_far && !whole)) take_found(now, margin_m);
+    return plan_;
+  }
+  if (!free) take_least_harm(own, now);
+  return plan_;
+}
+
+}  // namespace isobath

@@ -1,0 +1,113 @@
+// TrafficPlanner: motion to a goal among moving bodies, as a path with times and speeds, planned anew as it goes
+// (ledger S3-01, S3-18, S3-20 to S3-22, S3-30, S3-37).
+//
+// Each step is given the vehicle's state and the bodies that its sensors know. The last plan is kept while it stays
+// free by the present prediction; a search (traffic_search.hpp) runs when it does not, and every `replan_s`. A free
+// plan is replaced only by one that arrives earlier by `gain_s`, or when half of its horizon has passed. Each plan ends
+// in an escape: at rest, or on a circle if the vehicle cannot stop. Where no motion keeps the margin, half of it and
+// none are tried; where that fails, the plan is the action of least harm, with the reason.
+//
+// The plan keeps `margin_m` from the shapes of all valid bodies, grown by k sigma at each time (S3-30), if they keep
+// their velocities. It does not promise a margin from bodies that it does not know or that turn. Times in seconds, m,
+// m/s, frame W (see vehicle_motion.hpp).
+//
+// Cost on one core, by `isobath traffic`: see docs/evaluation.md. No memory is allocated after the first steps. One
+// thread at a time.
+#pragma once
+
+#include <isobath/planning/traffic/traffic_search.hpp>
+#include <string>
+
+namespace isobath {
+
+struct TrafficConfig {
+  double margin_m = 0.25;  ///< between the vehicle's disc and the shape of a body
+  double sigmas = 3;
+  double replan_s = 0.5;
+  double gain_s = 0.2;
+  TrafficSearchConfig search;
+};
+
+std::vector<Field> fields(TrafficConfig& config);
+
+enum class TrafficAction : std::uint8_t {
+  kFollow,   ///< a free motion to the horizon, or to the goal
+  kEvade,    ///< a free motion that ends in an escape before the horizon
+  kStop,     ///< no free motion: brake
+  kRetreat,  ///< no free motion: turn away
+  kHold,     ///< no free motion: keep the speed
+  kRefuse,   ///< the vehicle's state or the goal is not finite; there is no trajectory
+};
+std::string to_text(TrafficAction action);
+
+/// Closest approach to one body.
+struct Passage {
+  int number = 0;     ///< of the body
+  double time_s = 0;  ///< from the time of asking
+  double gap_m = 0;   ///< between the vehicle's disc and the body's shape, which is grown by its uncertainty
+};
+
+struct TrafficPlan {
+  TrafficAction action = TrafficAction::kRefuse;
+  Trajectory trajectory;  ///< from `start` on, with the escape at its end
+  Time start{};
+  double arrival_s = 0;  ///< from the start; beyond the horizon in open water
+  double free_s = 0;     ///< from the start: time before the escape
+  double margin_m = 0;   ///< that the search kept: the configured one, half of it, or 0
+  int number = 0;        ///< rises by one with each new plan (S3-21)
+  std::string reason;    ///< why there is no free motion; else empty
+};
+
+/// Work of one step.
+struct TrafficWork {
+  int searches = 0, expansions = 0;
+  std::int64_t checks = 0;  ///< of a piece of motion against a body
+  int refused_bodies = 0;   ///< that are not valid and were left out
+};
+
+class TrafficPlanner {
+ public:
+  /// Throws Error if the minimum speed of the vehicle is not below its maximum speed.
+  TrafficPlanner(const TrafficConfig& config, const TrafficVehicle& vehicle);
+
+  /// A vehicle within `arrival_m` of the goal has arrived. Drops the plan.
+  void set_goal(const Eigen::Vector2d& goal_W, double arrival_m);
+
+  /// The plan in force from now on. `own` should be on the last plan; it is planned anew if it is off by 0.05 m.
+  const TrafficPlan& step(const MotionState& own, Time now, std::span<const MovingBody> bodies);
+
+  [[nodiscard]] const TrafficPlan& plan() const { return plan_; }
+  [[nodiscard]] const TrafficWork& work() const { return work_; }
+  /// Bodies of the last step that the plan passes within `within_m`, by time.
+  [[nodiscard]] std::vector<Passage> passages(Time now, double within_m) const;
+
+ private:
+  [[nodiscard]] bool on_plan(const MotionState& own, Time now) const;
+  void sample(const Trajectory& motion, double from_s) const;
+  /// Of the sampled motion.
+  [[nodiscard]] Passage closest(const MovingBody& body, Time now) const;
+  [[nodiscard]] bool plan_is_free(Time now, double margin_m) const;
+  bool search(const MotionState& own, Time now, double margin_m);
+  void take_found(Time now, double margin_m);
+  void take_least_harm(const MotionState& own, Time now);
+
+  TrafficConfig config_;
+  TrafficVehicle vehicle_;
+  TrafficSearch search_;
+  PredictedTraffic traffic_;
+  Eigen::Vector2d goal_W_ = Eigen::Vector2d::Zero();
+  double arrival_m_ = 0;
+  std::vector<MovingBody> bodies_;
+  struct Sample {
+    double time_s;  ///< from now
+    Eigen::Vector2d p_W;
+  };
+  mutable std::vector<Sample> samples_;
+  TrafficPlan plan_;
+  Trajectory found_;
+  TrafficSearchResult result_;
+  std::optional<Time> searched_;
+  TrafficWork work_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <isobath/planning/traffic/traffic_search.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kCellSide_m = 0.75, kHeadingCell = 0.13, kSpeedCell = 0.1;
+constexpr std::size_t kSlots = std::size_t{1} << 17;
+constexpr int kMaxFallBacks = 400;  ///< nodes whose escape is tried where the search found no motion
+
+/// The time from one state to the next is never taken as zero.
+bool later_first(double a, int a_node, double b, int b_node) { return a > b || (a == b && a_node > b_node); }
+
+}  // namespace
+
+std::vector<Field> fields(TrafficSearchConfig& c) {
+  return {
+      Field::real("horizon", &c.horizon_s, {2, 120}, "s", "Time for which a free motion is looked for."),
+      Field::real("clear", &c.clear_s, {0, 60}, "s", "Time at rest that must stay clear at the end of each motion."),
+      Field::real("depth_reward", &c.depth_reward, {0, 1}, "1",
+                  "Delay accepted for each second of horizon; a higher value finds a motion sooner, and a later one."),
+      Field::integer("max_expansions", &c.max_expansions, {1, 1'000'000}, "",
+                     "States that one search expands at most."),
+  };
+}
+
+TrafficSearch::TrafficSearch(const TrafficSearchConfig& config, const TrafficVehicle& vehicle)
+    : config_(config), vehicle_(vehicle) {
+  const double braking_s = (vehicle.max_speed - vehicle.min_speed) / vehicle.braking;
+  horizon_ = static_cast<int>(std::ceil(config.horizon_s / kStep_s));
+  escape_ = static_cast<int>(std::ceil((braking_s + config.clear_s) / kStep_s));
+  nodes_.reserve(static_cast<std::size_t>(config.max_expansions) * 4 + 64);
+  open_.reserve(nodes_.capacity());
+  slots_.assign(kSlots, {0, 0, 0});
+}
+
+double TrafficSearch::chord_error_m() const {
+  const double aside = vehicle_.max_speed * vehicle_.max_speed * vehicle_.max_curvature();
+  const double piece_s = kStep_s / kPieces;
+  return std::hypot(aside, std::max(vehicle_.acceleration, vehicle_.braking)) * piece_s * piece_s / 8;
+}
+
+double TrafficSearch::arrival_of(const MotionState& state, int step) const {
+  const auto direct = direct_motion(vehicle_, state, goal_W_, arrival_m_);
+  // The goal lies within the turning circle: the vehicle must go away first.
+  const double around = 2 * pi / vehicle_.max_curvature() / vehicle_.max_speed;
+  return step * kStep_s + (direct ? direct->arrival_s : around);
+}
+
+TrafficSearch::Slot& TrafficSearch::slot_of(const Node& node) {
+  const auto cell = [](double value, double side) {
+    return static_cast<std::int64_t>(std::floor(value / side)) & 0xfff;
+  };
+  const double heading = node.state.heading - 2 * pi * std::floor(node.state.heading / (2 * pi));
+  const std::uint64_t key = static_cast<std::uint64_t>(
+      cell(node.state.p_W.x(), kCellSide_m) << 40 | cell(node.state.p_W.y(), kCellSide_m) << 28 |
+      (cell(heading, kHeadingCell) & 0x3f) << 22 | (cell(node.state.speed + 1e-9, kSpeedCell) & 0xff) << 12 |
+      (node.step & 0xfff));
+  std::size_t at = (key * 0x9e3779b97f4a7c15u) >> 47;
+  while (slots_[at].search == searches_ && slots_[at].key != key) at = (at + 1) % kSlots;
+  if (slots_[at].search != searches_) slots_[at] = {key, searches_, -1};
+  return slots_[at];
+}
+
+bool TrafficSearch::arc_is_free(const Node& from, const Node& to) const {
+  const double piece_s = kStep_s / kPieces, start_s = from.step * kStep_s;
+  const MotionSegment arc{0, kStep_s, from.state, to.curvature, to.acceleration};
+  Eigen::Vector2d a = from.state.p_W;
+  for (int k = 0; k < kPieces; ++k) {
+    const Eigen::Vector2d b = k + 1 == kPieces ? to.state.p_W : arc.after((k + 1) * piece_s).p_W;
+    if (!traffic_->is_free(from.step, start_s + k * piece_s, piece_s, a, b)) return false;
+    a = b;
+  }
+  return true;
+}
+
+bool TrafficSearch::is_direct(const Node& from, const Node& to) const {
+  const bool fastest = to.acceleration >= 0 && (to.acceleration > 0 || from.state.speed >= vehicle_.max_speed - 1e-9);
+  const auto direct = fastest && to.curvature == 0 ? direct_motion(vehicle_, from.state, goal_W_, arrival_m_)
+                                                   : std::optional<DirectMotion>();
+  return direct && direct->arc_m < 1e-9;
+}
+
+void TrafficSearch::add(const Node& node) {
+  const auto later = [](const Open& a, const Open& b) { return later_first(a.priority, a.node, b.priority, b.node); };
+  nodes_.push_back(node);
+  open_.push_back({node.arrival_s - config_.depth_reward * node.step * kStep_s, static_cast<int>(nodes_.size()) - 1});
+  std::ranges::push_heap(open_, later);
+}
+
+void TrafficSearch::expand(int index) {
+  const Node from = nodes_[index];
+  double last_speed = -1;
+  for (const double wish : {vehicle_.acceleration, 0.0, -vehicle_.braking}) {
+    // A vehicle that is slower or faster than its range comes back into it.
+    const double speed = std::clamp(from.state.speed + wish * kStep_s, std::min(vehicle_.min_speed, from.state.speed),
+                                    std::max(vehicle_.max_speed, from.state.speed));
+    if (std::abs(speed - last_speed) < 1e-9) continue;
+    last_speed = speed;
+    const double acceleration = (speed - from.state.speed) / kStep_s;
+    const bool moves = from.state.speed + speed > 1e-9;
+    for (const double share : {0.0, -0.5, 0.5, -1.0, 1.0}) {
+      if (share != 0 && !moves) break;
+      Node to{{}, 0, index, from.step + 1, share * vehicle_.max_curvature(), acceleration, false};
+      to.state = MotionSegment{0, kStep_s, from.state, to.curvature, acceleration}.after(kStep_s);
+      to.arrival_s = arrival_of(to.state, to.step);
+      Slot& slot = slot_of(to);
+      if (slot.node >= 0 && nodes_[slot.node].arrival_s <= to.arrival_s) continue;
+      if (!arc_is_free(from, to)) continue;
+      to.direct_meets = from.direct_meets && is_direct(from, to);
+      slot.node = static_cast<int>(nodes_.size());
+      add(to);
+    }
+  }
+}
+
+int TrafficSearch::free_direct(const Node& node, DirectMotion& motion) const {
+  const auto direct = direct_motion(vehicle_, node.state, goal_W_, arrival_m_);
+  if (!direct) return 0;
+  motion = *direct;
+  const int steps = static_cast<int>(std::ceil(direct->arrival_s / kStep_s));
+  const int last = std::min(horizon_, node.step + std::max(1, steps));
+  const double piece_s = kStep_s / kPieces;
+  Eigen::Vector2d a = node.state.p_W;
+  for (int step = node.step; step < last; ++step) {
+    for (int k = 0; k < kPieces; ++k) {
+      const double from_s = step * kStep_s + k * piece_s;
+      const Eigen::Vector2d b = motion.at(from_s + piece_s - node.step * kStep_s).p_W;
+      if (!traffic_->is_free(step, from_s, piece_s, a, b)) return 0;
+      a = b;
+    }
+  }
+  return last;
+}
+
+std::optional<double> TrafficSearch::escape(const MotionState& state, int step) const {
+  const double piece_s = kStep_s / kPieces;
+  const double braking_s = std::max(0.0, state.speed - vehicle_.min_speed) / vehicle_.braking;
+  for (const double share : {0.0, -1.0, 1.0}) {
+    if (share == 0 && vehicle_.min_speed > 0) continue;
+    const MotionSegment brake{0, braking_s, state, share * vehicle_.max_curvature(), -vehicle_.braking};
+    const MotionSegment after{0, 1e9, brake.after(braking_s), brake.curvature, 0};
+    bool free = true;
+    Eigen::Vector2d a = state.p_W;
+    for (int k = 0; free && k * piece_s < braking_s + config_.clear_s; ++k) {
+      const double to_s = (k + 1) * piece_s;
+      const Eigen::Vector2d b = to_s <= braking_s ? brake.after(to_s).p_W : after.after(to_s - braking_s).p_W;
+      const int in_step = step + k / kPieces;
+      free = in_step < steps() && traffic_->is_free(in_step, step * kStep_s + k * piece_s, piece_s, a, b);
+      a = b;
+    }
+    if (free) return brake.curvature;
+  }
+  return std::nullopt;
+}
+
+void TrafficSearch::append_escape(double curvature, Trajectory& motion) const {
+  const MotionSegment& last = motion.segments.back();
+  const double speed = last.after(last.duration_s).speed;
+  const double braking_s = std::max(0.0, speed - vehicle_.min_speed) / vehicle_.braking;
+  if (braking_s > 0) motion.append({}, curvature, -vehicle_.braking, braking_s);
+  motion.append({}, curvature, 0, config_.clear_s);
+}
+
+void TrafficSearch::write(int node, Trajectory& motion) const {
+  motion.segments.clear();
+  for (int at = node; nodes_[at].parent >= 0; at = nodes_[at].parent) {
+    const Node& to = nodes_[at];
+    const Node& from = nodes_[to.parent];
+    motion.segments.push_back({from.step * kStep_s, kStep_s, from.state, to.curvature, to.acceleration});
+  }
+  std::ranges::reverse(motion.segments);
+  if (motion.segments.empty()) motion.segments.push_back({0, 0, nodes_[node].state, 0, 0});
+}
+
+bool TrafficSearch::finish_at(int index, TrafficSearchResult& result, Trajectory& motion) {
+  Node& node = nodes_[index];
+  if (node.direct_meets && node.step < horizon_) return false;
+  DirectMotion direct;
+  const int last = node.step == horizon_ ? horizon_ : free_direct(node, direct);
+  if (last == 0) {
+    node.direct_meets = true;
+    return false;
+  }
+  const double direct_s = (last - node.step) * kStep_s;
+  const auto curvature = escape(direct_s > 0 ? direct.at(direct_s) : node.state, last);
+  if (!curvature) return false;
+  write(index, motion);
+  if (direct_s > 0) direct.append_to(motion, direct_s);
+  append_escape(*curvature, motion);
+  result.end = SearchEnd::kHorizon;
+  result.arrival_s = node.arrival_s;
+  result.free_s = last * kStep_s;
+  return true;
+}
+
+void TrafficSearch::fall_back(TrafficSearchResult& result, Trajectory& motion) {
+  deepest_.clear();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) deepest_.push_back(static_cast<int>(i));
+  const auto deeper = [&](int a, int b) {
+    if (nodes_[a].step != nodes_[b].step) return nodes_[a].step > nodes_[b].step;
+    if (nodes_[a].arrival_s != nodes_[b].arrival_s) return nodes_[a].arrival_s < nodes_[b].arrival_s;
+    return a < b;
+  };
+  const auto tried = std::min<std::ptrdiff_t>(kMaxFallBacks, std::ssize(deepest_));
+  std::ranges::partial_sort(deepest_, deepest_.begin() + tried, deeper);
+  for (std::ptrdiff_t i = 0; i <= tried; ++i) {
+    const int index = i < tried ? deepest_[i] : 0;  // at last the start: an escape from here
+    const auto curvature = escape(nodes_[index].state, nodes_[index].step);
+    if (!curvature) continue;
+    write(index, motion);
+    append_escape(*curvature, motion);
+    result.end = SearchEnd::kEscape;
+    result.arrival_s = nodes_[index].arrival_s;
+    result.free_s = nodes_[index].step * kStep_s;
+    return;
+  }
+}
+
+TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const MotionState& start,
+                                          const Eigen::Vector2d& goal_W, double arrival_m, Trajectory& motion) {
+  traffic_ = &traffic;
+  goal_W_ = goal_W;
+  arrival_m_ = arrival_m;
+  ++searches_;
+  nodes_.clear();
+  open_.clear();
+  add({start, arrival_of(start, 0), -1, 0, 0, 0, false});
+  const auto later = [](const Open& a, const Open& b) { return later_first(a.priority, a.node, b.priority, b.node); };
+  TrafficSearchResult result;
+  // The table must never fill: each expansion adds at most 15 slots.
+  const int bound = std::min(config_.max_expansions, static_cast<int>(kSlots / 16));
+  while (!open_.empty() && result.expansions < bound) {
+    std::ranges::pop_heap(open_, later);
+    const int node = open_.back().node;
+    open_.pop_back();
+    ++result.expansions;
+    if (finish_at(node, result, motion)) return result;
+    if (nodes_[node].step < horizon_) expand(node);
+  }
+  fall_back(result, motion);
+  return result;
+}
+
+}  // namespace isobath

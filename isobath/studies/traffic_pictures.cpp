@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/report/plot/picture.hpp>
+#include <isobath/studies/traffic_pictures.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kTrackSteps = 100;  ///< before and after the least gap
+constexpr int kDotSteps = 100;
+
+std::vector<Vector2d> ring_of(const Vector2d& middle, double radius_m) {
+  std::vector<Vector2d> ring;
+  for (int k = 0; k < 36; ++k) {
+    const double angle = k * std::numbers::pi / 18;
+    ring.push_back(middle + radius_m * Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  return ring;
+}
+
+}  // namespace
+
+std::string traffic_picture(const TrafficRequest& request, int run, int discs, double max_speed) {
+  LatencyHistogram times;
+  const TrafficRun flown = run_traffic(request, TrafficMethod::kPlanner, run, discs, max_speed, times, true);
+  std::size_t nearest = 0;
+  double least_m = 1e9;
+  std::vector<std::vector<Vector2d>> tracks(discs);
+  TrafficScene scene(run, discs, max_speed);
+  for (std::size_t step = 0; step < flown.track.size(); ++step, scene.step()) {
+    const double gap = scene.gap(flown.track[step].own.p_W);
+    if (gap < least_m) {
+      least_m = gap;
+      nearest = step;
+    }
+    for (int i = 0; i < discs; ++i) tracks[i].push_back(scene.discs()[i].p_W);
+  }
+  PlanPicture picture({-20, 160, -60, 60}, 900,
+                      {fmt::format("Run {}: {} bodies of up to {:g} m/s, {:.1f} s; least gap {:.2f} m at {:.1f} s", run,
+                                   discs, max_speed, flown.time_s, least_m, flown.track[nearest].time_s),
+                       "north (m)", "east (m)"});
+  const Colour body = palette::kObstacle, faint{body.r, body.g, body.b, 0.25};
+  for (int i = 0; i < discs; ++i) {
+    const std::vector<Vector2d>& track = tracks[i];
+    const std::size_t from = nearest < kTrackSteps ? 0 : nearest - kTrackSteps;
+    const std::size_t to = std::min(track.size(), nearest + kTrackSteps + 1);
+    picture.polyline(std::span(track).subspan(from, to - from), {body, 0.8, true});
+    picture.polygon(ring_of(track[nearest], scene.discs()[i].radius_m), {body, 1, false}, faint);
+  }
+  std::vector<Vector2d> path;
+  for (const TrafficMoment& moment : flown.track) path.push_back(moment.own.p_W);
+  picture.polyline(path, {palette::kTrack, 2, false});
+  for (std::size_t step = 0; step < path.size(); step += kDotSteps) picture.dot(path[step], 3, palette::kTrack);
+  picture.vehicle(path[nearest], flown.track[nearest].own.heading);
+  picture.finish({{palette::kTrack, "vehicle, a dot every 10 s"}, {body, "bodies, tracks of 20 s"}});
+  return picture.png();
+}
+
+std::string traffic_table(const TrafficStudy& study) {
+  std::string text =
+      "method     bodies  m/s  runs  contact               deep                  time    95 %    gap, least m     step "
+      "ms, 99 %\n";
+  for (const TrafficRow& row : study.rows) {
+    const auto share = [&](int count, const Interval& of) {
+      return fmt::format("{:4.1f} % ({:.1f} .. {:.1f})", 100.0 * count / row.runs, 100 * of.low, 100 * of.high);
+    };
+    text +=
+        fmt::format("{:<9}  {:6}  {:3.1f}  {:4}  {:<20}  {:<20}  {:.3f}  {:.3f}  {:6.2f} {:7.2f}  {:7.3f} {:7.2f}\n",
+                    to_text(row.method), row.discs, row.max_speed, row.runs, share(row.contacts, row.contact_share),
+                    share(row.deep_contacts, row.deep_share), row.time_median, row.time_p95, row.gap_median_m,
+                    row.gap_least_m, row.step.median_ms, row.step.p99_ms);
+  }
+  return text;
+}
+
+}  // namespace isobath

@@ -1,0 +1,84 @@
+// TrafficStudy: vehicles that cross moving traffic in random scenes (workload E), by several methods: our planner with
+// a vehicle that turns and accelerates like one, and discs that move in any direction by optimal reciprocal collision
+// avoidance, or straight ahead (ledger S3-01, S3-D01).
+//
+// A run ends at the goal or after 400 s; a contact does not end it. Each method sees the discs within 50 m, with their
+// exact positions and velocities, and does not know that they are reflected. Results do not depend on the number of
+// threads; only the planning times do, which are processor time of the thread.
+#pragma once
+
+#include <array>
+#include <isobath/base/config.hpp>
+#include <isobath/onboard/latency_histogram.hpp>
+#include <isobath/planning/traffic/traffic_planner.hpp>
+#include <isobath/sonar/roc.hpp>
+#include <isobath/studies/traffic_scene.hpp>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+enum class TrafficMethod : std::uint8_t {
+  kPlanner,   ///< TrafficPlanner
+  kOrca,      ///< reciprocal avoidance with half of the responsibility
+  kOrcaFull,  ///< with all of it, as the discs do not react
+  kStraight,  ///< straight ahead
+};
+inline constexpr std::array kTrafficMethods = {TrafficMethod::kPlanner, TrafficMethod::kOrca, TrafficMethod::kOrcaFull,
+                                               TrafficMethod::kStraight};
+/// "planner", "orca", "orca_full", "straight".
+std::string to_text(TrafficMethod method);
+
+struct TrafficRequest {
+  std::vector<int> discs = {20, 50, 100};
+  std::vector<double> max_speeds = {0.5, 1, 1.5};  ///< of the discs, m/s
+  std::vector<TrafficMethod> methods{kTrafficMethods.begin(), kTrafficMethods.end()};
+  int runs = 500;
+  int first_run = 0;
+  int threads = 1;
+  int picture_run = 0;  ///< drawn with the most discs at their highest speed
+  TrafficConfig planner;
+  TrafficVehicle vehicle;
+};
+
+/// All settings, as `--config` and `--set` name them; bound to `request`, which must outlive them.
+std::vector<Section> sections(TrafficRequest& request);
+
+/// A moment of a run.
+struct TrafficMoment {
+  double time_s = 0;
+  MotionState own;
+};
+
+struct TrafficRun {
+  double time_s = 0;  ///< to the goal, or the limit
+  bool arrived = false;
+  double least_gap_m = 0;            ///< below 0: contact
+  int steps_without_motion = 0;      ///< in which no free motion was found
+  double least_margin_m = 0;         ///< that a plan was searched with
+  std::vector<TrafficMoment> track;  ///< if it is asked for
+};
+
+TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int run, int discs, double max_speed,
+                       LatencyHistogram& times, bool keep_track);
+
+struct TrafficRow {
+  TrafficMethod method = TrafficMethod::kPlanner;
+  int discs = 0;
+  double max_speed = 0;
+  int runs = 0, contacts = 0, deep_contacts = 0, arrived = 0, without_motion = 0;
+  Interval contact_share = {}, deep_share = {};  ///< Wilson, 95 %
+  double time_median = 0, time_p95 = 0;          ///< over the free time
+  double gap_median_m = 0, gap_least_m = 0;
+  std::vector<int> contact_runs = {};
+  StageTime step = {};
+};
+
+struct TrafficStudy {
+  std::vector<TrafficRow> rows;
+};
+
+/// Throws Error if the request is invalid.
+TrafficStudy study_traffic(const TrafficRequest& request);
+
+}  // namespace isobath
