@@ -11,10 +11,13 @@ using std::numbers::pi;
 
 constexpr double kCellSide_m = 0.75, kHeadingCell = 0.13, kSpeedCell = 0.1;
 constexpr std::size_t kSlots = std::size_t{1} << 17;
+constexpr double kHurry = 5;        ///< factor on the reward of depth, once half of the expansions are spent
 constexpr int kMaxFallBacks = 400;  ///< nodes whose escape is tried where the search found no motion
 
-/// The time from one state to the next is never taken as zero.
-bool later_first(double a, int a_node, double b, int b_node) { return a > b || (a == b && a_node > b_node); }
+/// For a heap with the earliest on top; equal priorities in the order in which they were added.
+constexpr auto later = [](const auto& a, const auto& b) {
+  return a.priority > b.priority || (a.priority == b.priority && a.node > b.node);
+};
 
 }  // namespace
 
@@ -86,10 +89,17 @@ bool TrafficSearch::is_direct(const Node& from, const Node& to) const {
   return direct && direct->arc_m < 1e-9;
 }
 
+double TrafficSearch::priority_of(const Node& node) const { return node.arrival_s - reward_ * node.step * kStep_s; }
+
+void TrafficSearch::hurry() {
+  reward_ *= kHurry;
+  for (Open& open : open_) open.priority = priority_of(nodes_[open.node]);
+  std::ranges::make_heap(open_, later);
+}
+
 void TrafficSearch::add(const Node& node) {
-  const auto later = [](const Open& a, const Open& b) { return later_first(a.priority, a.node, b.priority, b.node); };
   nodes_.push_back(node);
-  open_.push_back({node.arrival_s - config_.depth_reward * node.step * kStep_s, static_cast<int>(nodes_.size()) - 1});
+  open_.push_back({priority_of(node), static_cast<int>(nodes_.size()) - 1});
   std::ranges::push_heap(open_, later);
 }
 
@@ -230,8 +240,8 @@ TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const
   ++searches_;
   nodes_.clear();
   open_.clear();
+  reward_ = config_.depth_reward;
   add({start, arrival_of(start, 0), -1, 0, 0, 0, false});
-  const auto later = [](const Open& a, const Open& b) { return later_first(a.priority, a.node, b.priority, b.node); };
   TrafficSearchResult result;
   // The table must never fill: each expansion adds at most 15 slots.
   const int bound = std::min(config_.max_expansions, static_cast<int>(kSlots / 16));
@@ -239,7 +249,7 @@ TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const
     std::ranges::pop_heap(open_, later);
     const int node = open_.back().node;
     open_.pop_back();
-    ++result.expansions;
+    if (++result.expansions == bound / 2) hurry();
     if (finish_at(node, result, motion)) return result;
     if (nodes_[node].step < horizon_) expand(node);
   }

@@ -76,6 +76,9 @@ class TrafficSearch {
     std::uint32_t search;
     int node;
   };
+  [[nodiscard]] double priority_of(const Node& node) const;
+  /// From here on deeper nodes come first, so that a motion is found before the bound.
+  void hurry();
   void expand(int node);
   void add(const Node& node);
   /// Whether the arc from one node to the next is the beginning of the direct motion.
@@ -97,7 +100,7 @@ class TrafficSearch {
   int horizon_ = 0, escape_ = 0;  ///< steps
   const PredictedTraffic* traffic_ = nullptr;
   Eigen::Vector2d goal_W_ = Eigen::Vector2d::Zero();
-  double arrival_m_ = 0;
+  double arrival_m_ = 0, reward_ = 0;
   std::vector<Node> nodes_;
   std::vector<Open> open_;
   std::vector<Slot> slots_;
