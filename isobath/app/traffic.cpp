@@ -58,7 +58,7 @@ nlohmann::ordered_json traffic_json(const TrafficStudy& study) {
   return rows;
 }
 
-int cross(TrafficOptions& options) {
+int run_traffic_study(TrafficOptions& options) {
   TrafficRequest& request = options.request;
   std::vector<Section> all = sections(request);
   options.config.read_into(all);
@@ -142,7 +142,7 @@ Action add_traffic(CLI::App& program) {
   add_example(*command, "traffic --runs 20");
   add_example(*command, "traffic --bodies 100 --speed 1.5 --planner planner --planner orca --json");
   add_example(*command, "traffic --set vehicle.min_speed=0.8 --runs 50");
-  return [options] { return cross(*options); };
+  return [options] { return run_traffic_study(*options); };
 }
 
 }  // namespace isobath::app

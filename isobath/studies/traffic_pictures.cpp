@@ -43,7 +43,7 @@ std::string traffic_picture(const TrafficRequest& request, int run, int discs, d
                       {fmt::format("Run {}: {} bodies of up to {:g} m/s, {:.1f} s; least gap {:.2f} m at {:.1f} s", run,
                                    discs, max_speed, flown.time_s, least_m, flown.track[nearest].time_s),
                        "north (m)", "east (m)"});
-  const Colour body = palette::kObstacle, faint{body.r, body.g, body.b, 0.25};
+  const Colour body = palette::kObstacle, faint{body.red, body.green, body.blue, 0.25};
   for (int i = 0; i < discs; ++i) {
     const std::vector<Vector2d>& track = tracks[i];
     const std::size_t from = nearest < kTrackSteps ? 0 : nearest - kTrackSteps;

@@ -80,7 +80,8 @@ double quantile_of(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(std::floor(share * last + 0.5))];
 }
 
-TrafficRow row_of(const TrafficRequest& request, TrafficMethod method, int discs, double max_speed, ThreadPool& pool) {
+TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int discs, double max_speed,
+                       ThreadPool& pool) {
   std::vector<TrafficRun> runs(request.runs);
   std::vector<LatencyHistogram> times(request.runs);
   pool.share(request.runs, 1, [&](int first, int last) {
@@ -157,7 +158,8 @@ TrafficStudy study_traffic(const TrafficRequest& request) {
   ThreadPool pool(request.threads);
   for (const TrafficMethod method : request.methods) {
     for (const int discs : request.discs) {
-      for (const double speed : request.max_speeds) study.rows.push_back(row_of(request, method, discs, speed, pool));
+      for (const double speed : request.max_speeds)
+        study.rows.push_back(traffic_row(request, method, discs, speed, pool));
     }
   }
   return study;

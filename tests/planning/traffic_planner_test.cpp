@@ -257,7 +257,7 @@ std::vector<MovingBody> closing_ring(int open) {
 TEST(TrafficPlanner, LeavesAClosingRingWhileAGapExists) {
   Drive drive = drive_to({60, 0}, 1.5, closing_ring(4));
   double least = 9;
-  for (int step = 0; step < 500 && drive.own.p_W.norm() < 30; ++step) {
+  for (int step = 0; step < 800 && drive.own.p_W.norm() < 30; ++step) {
     drive.move(0.1);
     least = std::min(least, drive.gap());
   }

@@ -10,9 +10,11 @@ namespace isobath {
 namespace {
 
 constexpr double kOffPlan_m = 0.05, kOffPlanHeading = 0.02, kOffPlanSpeed = 0.05;
-constexpr int kOutlineParts = 4;  ///< of a chord, for a body that turns
+constexpr double kGraze_m = 0.1;    ///< overlap that does no harm
+constexpr double kSameSpeed = 0.1;  ///< m/s; contacts at speeds as near as this are of equal harm
+constexpr int kOutlineParts = 4;    ///< of a chord, for a body that turns
 
-bool is_finite(const MotionState& state) {
+bool state_is_finite(const MotionState& state) {
   return state.p_W.allFinite() && std::isfinite(state.heading) && std::isfinite(state.speed);
 }
 
@@ -73,9 +75,9 @@ void TrafficPlanner::sample(const Trajectory& motion, double from_s) const {
   samples_.push_back({left_s, motion.at(from_s + left_s).p_W});
 }
 
-Passage TrafficPlanner::closest(const MovingBody& body, Time now) const {
+TrafficPlanner::Approach TrafficPlanner::closest(const MovingBody& body, Time now) const {
   const double age_s = to_seconds(now - body.time);
-  Passage least{body.number, 0, std::numeric_limits<double>::infinity()};
+  Approach least{{body.number, 0, std::numeric_limits<double>::infinity()}, std::numeric_limits<double>::infinity(), 0};
   for (std::size_t k = 1; k < samples_.size(); ++k) {
     const auto& [from_s, p] = samples_[k - 1];
     const auto& [to_s, q] = samples_[k];
@@ -93,7 +95,11 @@ Passage TrafficPlanner::closest(const MovingBody& body, Time now) const {
           (body.outline.empty() ? (a + share * side).norm() - body.radius_m
                                 : distance_to(body, p + (at - from_s) / (to_s - from_s) * (q - p), age_s + at)) -
           growth;
-      if (gap < least.gap_m) least = {body.number, at, gap};
+      if (gap < least.passage.gap_m) least.passage = {body.number, at, gap};
+      if (gap < -kGraze_m && at < least.contact_s) {
+        least.contact_s = at;
+        least.contact_speed = std::sqrt(length2) / (end_s - start_s);
+      }
     }
   }
   return least;
@@ -101,15 +107,16 @@ Passage TrafficPlanner::closest(const MovingBody& body, Time now) const {
 
 bool TrafficPlanner::plan_is_free(Time now, double margin_m) const {
   sample(plan_.trajectory, to_seconds(now - plan_.start));
-  return std::ranges::all_of(
-      bodies_, [&](const MovingBody& body) { return closest(body, now).gap_m >= margin_m + search_.chord_error_m(); });
+  return std::ranges::all_of(bodies_, [&](const MovingBody& body) {
+    return closest(body, now).passage.gap_m >= margin_m + search_.chord_error_m();
+  });
 }
 
 std::vector<Passage> TrafficPlanner::passages(Time now, double within_m) const {
   std::vector<Passage> all;
   sample(plan_.trajectory, std::max(0.0, to_seconds(now - plan_.start)));
   for (const MovingBody& body : bodies_) {
-    const Passage one = closest(body, now);
+    const Passage one = closest(body, now).passage;
     if (one.gap_m <= within_m) all.push_back(one);
   }
   std::ranges::stable_sort(all, {}, &Passage::time_s);
@@ -146,6 +153,21 @@ void TrafficPlanner::take_found(Time now, double margin_m) {
   plan_.reason.clear();
 }
 
+TrafficPlanner::Approach TrafficPlanner::worst_of(const Trajectory& motion, Time now) const {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  sample(motion, 0);
+  Approach worst{{0, 0, kNever}, kNever, 0};
+  for (const MovingBody& body : bodies_) {
+    const Approach one = closest(body, now);
+    if (one.passage.gap_m < worst.passage.gap_m) worst.passage = one.passage;
+    if (one.contact_s < worst.contact_s) {
+      worst.contact_s = one.contact_s;
+      worst.contact_speed = one.contact_speed;
+    }
+  }
+  return worst;
+}
+
 void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
   struct Choice {
     TrafficAction action;
@@ -154,7 +176,7 @@ void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
   const double k = vehicle_.max_curvature(), horizon_s = config_.search.horizon_s;
   const double slower = own.speed > vehicle_.min_speed ? -vehicle_.braking : 0;
   const double faster = own.speed < vehicle_.max_speed ? vehicle_.acceleration : 0;
-  Passage best{0, 0, -std::numeric_limits<double>::infinity()};
+  Approach best{{0, 0, -std::numeric_limits<double>::infinity()}, 0, std::numeric_limits<double>::infinity()};
   for (const Choice& choice : {Choice{TrafficAction::kStop, 0, slower},
                                {TrafficAction::kStop, k, slower},
                                {TrafficAction::kStop, -k, slower},
@@ -169,13 +191,9 @@ void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
     const double turning_s = choice.action == TrafficAction::kRetreat ? 3.1 / (k * vehicle_.max_speed) : horizon_s;
     found_.append(own, choice.curvature, 0, std::clamp(turning_s - changing_s, 0.0, horizon_s - changing_s));
     found_.append(own, 0, 0, std::max(0.0, horizon_s - found_.duration_s()));
-    sample(found_, 0);
-    Passage worst{0, 0, std::numeric_limits<double>::infinity()};
-    for (const MovingBody& body : bodies_) {
-      const Passage one = closest(body, now);
-      if (one.gap_m < worst.gap_m) worst = one;
-    }
-    if (worst.gap_m <= best.gap_m) continue;
+    const Approach worst = worst_of(found_, now);
+    const double gain = best.contact_speed - worst.contact_speed;
+    if (gain < -kSameSpeed || (gain <= kSameSpeed && worst.passage.gap_m <= best.passage.gap_m)) continue;
     best = worst;
     std::swap(plan_.trajectory, found_);
     plan_.action = choice.action;
@@ -186,12 +204,12 @@ void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
   plan_.margin_m = 0;
   ++plan_.number;
   plan_.reason = fmt::format("no motion keeps clear; {} comes nearest to body {}, {:.2f} m in {:.1f} s",
-                             to_text(plan_.action), best.number, best.gap_m, best.time_s);
+                             to_text(plan_.action), best.passage.number, best.passage.gap_m, best.passage.time_s);
 }
 
 const TrafficPlan& TrafficPlanner::step(const MotionState& own, Time now, std::span<const MovingBody> bodies) {
   work_ = {};
-  if (!is_finite(own) || !goal_W_.allFinite()) {
+  if (!state_is_finite(own) || !goal_W_.allFinite()) {
     plan_ = {};
     plan_.reason = "the state of the vehicle or the goal is not finite";
     return plan_;

@@ -84,8 +84,14 @@ class TrafficPlanner {
  private:
   [[nodiscard]] bool on_plan(const MotionState& own, Time now) const;
   void sample(const Trajectory& motion, double from_s) const;
-  /// Of the sampled motion.
-  [[nodiscard]] Passage closest(const MovingBody& body, Time now) const;
+  struct Approach {
+    Passage passage;
+    double contact_s, contact_speed;  ///< of the first contact; infinite, 0: there is none
+  };
+  /// Of the sampled motion to a body.
+  [[nodiscard]] Approach closest(const MovingBody& body, Time now) const;
+  /// Of a motion from now on: the closest passage, and the first contact.
+  [[nodiscard]] Approach worst_of(const Trajectory& motion, Time now) const;
   [[nodiscard]] bool plan_is_free(Time now, double margin_m) const;
   bool search(const MotionState& own, Time now, double margin_m);
   void take_found(Time now, double margin_m);
