@@ -11,6 +11,7 @@
 #include <isobath/base/printable_text.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/perception/water_label.hpp>
+#include <isobath/report/contact_text.hpp>
 #include <isobath/report/corner_fix_text.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/mission_pages.hpp>
@@ -153,6 +154,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (outcome.depth) print(request, *outcome.depth);
   if (outcome.sphere) fmt::print("{}\n", sphere_text(*outcome.sphere));
   if (outcome.corner_fix) fmt::print("{}\n", corner_fix_text(*outcome.corner_fix));
+  if (outcome.contacts) fmt::print("{}", contact_lines(*outcome.contacts));
   if (outcome.sharpness) fmt::print("{}\n", to_text(*outcome.sharpness));
   if (outcome.drift) fmt::print("{}\n", to_text(*outcome.drift));
   if (outcome.truth) print(*outcome.truth);

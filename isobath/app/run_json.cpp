@@ -1,5 +1,6 @@
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/run_json.hpp>
+#include <isobath/report/contact_text.hpp>
 #include <isobath/report/corner_fix_text.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/placement_pages.hpp>
@@ -64,6 +65,15 @@ ordered_json mission_with_times(const MissionOutcome& mission) {
   return json;
 }
 
+ordered_json contacts_with_times(const ContactOutcome& heard) {
+  ordered_json json = contacts_json(heard);
+  for (std::size_t i = 0; i < heard.contacts.size(); ++i) {
+    add_time(json["lines"][i], "first", heard.contacts[i].first);
+    add_time(json["lines"][i], "last", heard.contacts[i].last);
+  }
+  return json;
+}
+
 }  // namespace
 
 ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
@@ -80,6 +90,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
                     {"voxels", outcome.voxels ? voxels_json(*outcome.voxels) : ordered_json()},
                     {"sphere", outcome.sphere ? sphere_json(*outcome.sphere) : ordered_json()},
                     {"corner_fix", outcome.corner_fix ? corner_fix_json(*outcome.corner_fix) : ordered_json()},
+                    {"contacts", outcome.contacts ? contacts_with_times(*outcome.contacts) : ordered_json()},
                     {"sharpness", outcome.sharpness ? sharpness_json(*outcome.sharpness) : ordered_json()},
                     {"drift", outcome.drift ? drift_json(*outcome.drift) : ordered_json()},
                     {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},

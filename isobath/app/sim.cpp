@@ -30,7 +30,7 @@ struct SimOptions {
 };
 
 struct Counts {
-  std::uint64_t pings = 0, ranges = 0, navigation = 0, health = 0;
+  std::uint64_t pings = 0, ranges = 0, navigation = 0, health = 0, bearings = 0;
 };
 
 using Clock = std::chrono::steady_clock;  // for pace and timings only; no result depends on it
@@ -53,6 +53,9 @@ void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::ve
   } else if (const auto* health = std::get_if<Health>(&event)) {
     ++n.health;
     if (log) log->write(*health);
+  } else if (const auto* heard = std::get_if<PassiveBearing>(&event)) {
+    ++n.bearings;
+    if (log) log->write(*heard);
   }
 }
 
@@ -108,12 +111,16 @@ int act(const SimOptions& options) {
   const double wall = std::chrono::duration<double>(Clock::now() - start).count();
   const double times = wall > 0 ? simulator.duration_s() / wall : 0;
   if (options.json) {
-    nlohmann::ordered_json json{
-        {"scene", simulator.scene().about.title},
-        {"seed", simulator.seed()},
-        {"duration_s", simulator.duration_s()},
-        {"counts", {{"pings", n.pings}, {"ranges", n.ranges}, {"navigation", n.navigation}, {"health", n.health}}},
-        {"rates", {{"wall_s", wall}, {"times_real_time", times}}}};
+    nlohmann::ordered_json json{{"scene", simulator.scene().about.title},
+                                {"seed", simulator.seed()},
+                                {"duration_s", simulator.duration_s()},
+                                {"counts",
+                                 {{"pings", n.pings},
+                                  {"ranges", n.ranges},
+                                  {"navigation", n.navigation},
+                                  {"health", n.health},
+                                  {"bearings", n.bearings}}},
+                                {"rates", {{"wall_s", wall}, {"times_real_time", times}}}};
     std::vector<std::filesystem::path> files;
     if (log) files.push_back(options.out);
     if (!options.picture.empty()) files.push_back(options.picture);

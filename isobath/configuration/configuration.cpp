@@ -21,6 +21,7 @@ std::vector<Section> sections(Configuration& c) {
       {"sphere", "The spherical grid: echoes by direction and range around the vehicle.", fields(c.sphere)},
       {"scan", "How a scanning sonar is steered, where the program commands it.", fields(c.scan)},
       {"corner_fix", "Whether corners of charted walls correct the position.", fields(c.corner_fix)},
+      {"contacts", "Which obstacle a sound comes from that a passive array hears.", fields(c.contacts)},
       {"fans", "How echo decisions change the voxel map.", fields(c.voxels.fans)},
       {"depth_map", "The depth map that ranges and soundings make.", fields(c.depth_map)},
       {"prior", "What a new depth map starts from.", fields(c.prior)},

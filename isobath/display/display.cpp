@@ -262,6 +262,28 @@ void Display::show(Time time, const DisplayCounts& counts) {
   items_.set(DisplayKind::kHealth, 0, time, display_text(json));
 }
 
+void Display::show(Time time, std::span<const Contact> contacts) {
+  ordered_json sounds = ordered_json::array();
+  for (const Contact& c : contacts) {
+    ordered_json sound{{"number", c.number},
+                       {"frequency_hz", tidy_m(c.frequency_hz)},
+                       {"bearing_deg", tidy_m(c.bearing.degrees())},
+                       {"sigma_deg", tidy_m(c.sigma.degrees())},
+                       {"from", point_json(c.p_W)},
+                       {"origin", to_text(c.origin)}};
+    if (c.origin == Contact::Origin::kObstacle) {
+      sound["obstacle"] = c.obstacle;
+      sound["probability"] = tidy_m(c.probability);
+      sound["to"] = point_json(c.nearest);
+    } else {
+      if (c.origin == Contact::Origin::kNone) sound["probability"] = tidy_m(c.none);
+      if (c.place) sound["to"] = point_json(c.place->mean);
+    }
+    sounds.push_back(std::move(sound));
+  }
+  items_.set(DisplayKind::kSounds, 0, time, display_text(sounds));
+}
+
 void Display::show(Time time, const MissionTimings& t) {
   const ordered_json json = {timing_json("agents: handling of an event", t.event_to_agents),
                              timing_json("mapping: a ping into the grid", t.ping_to_grid),

@@ -26,6 +26,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,8 @@ class Display : public ResultSink {
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths) { maps_.show(time, std::move(depths)); }
   /// Shows the spherical grid, if it is due.
   void show(Time time, const GridSnapshot& sphere) { maps_.show(time, sphere); }
+  /// Shows the sounds that a passive array hears.
+  void show(Time time, std::span<const Contact> contacts);
   /// Whether the last counts are a second old.
   [[nodiscard]] bool wants_counts(Time time) const;
   void show(Time time, const DisplayCounts& counts);

@@ -43,8 +43,9 @@ enum class DisplayKind : std::uint8_t {
   kTimes,
   kCubes,
   kSphere,
+  kSounds,
 };
-inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kSphere;
+inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kSounds;
 
 /// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
 /// readers that ask for them, and nothing waits for them.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <isobath/sonar/passive_bearing.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/sonar/swath.hpp>
@@ -16,7 +17,7 @@
 
 namespace isobath {
 
-using Event = std::variant<Ping, RangeReading, Navigation, Health, Swath, OperatorFrame>;
+using Event = std::variant<Ping, RangeReading, Navigation, Health, Swath, OperatorFrame, PassiveBearing>;
 
 inline Time time_of(const Event& event) {
   return std::visit([](const auto& e) { return e.time; }, event);

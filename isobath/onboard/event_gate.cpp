@@ -15,8 +15,9 @@ const char* content_fault(const Navigation& fix) {
   return finite ? nullptr : EventGate::kBadNavigation;
 }
 
+constexpr double kFarthestSensor = 1e4;  // m from the vehicle's reference, as for pings
+
 const char* content_fault(const RangeReading& reading) {
-  constexpr double kFarthestSensor = 1e4;  // m from the vehicle's reference, as for pings
   const auto range = [](double r) { return std::isfinite(r) && r >= 0; };
   const double width = reading.width.degrees();
   const bool possible = reading.X_BS.is_finite() && reading.X_BS.translation.norm() < kFarthestSensor &&
@@ -31,6 +32,16 @@ const char* content_fault(const Health& health) {
 const char* content_fault(const Swath& swath) {
   const SwathFault fault = check(swath);
   return fault == SwathFault::kNone ? nullptr : to_text(fault);
+}
+
+const char* content_fault(const PassiveBearing& heard) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+  const double elevation = heard.elevation.value_or(Angle{}).degrees();
+  const bool possible = heard.X_BS.is_finite() && heard.X_BS.translation.norm() < kFarthestSensor &&
+                        std::isfinite(heard.bearing.radians()) && positive(heard.sigma.radians()) &&
+                        heard.sigma.degrees() <= 180 && elevation >= -90 && elevation <= 90 &&
+                        positive(heard.frequency_hz) && positive(heard.resolution_hz) && std::isfinite(heard.snr_db);
+  return possible ? nullptr : EventGate::kBadBearing;
 }
 
 /// The end of the link skips bytes that are no frame.

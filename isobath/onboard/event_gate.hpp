@@ -1,5 +1,6 @@
 // EventGate: the first stage of the pipeline. It admits events that are finite, in order and fresh, and counts every
-// rejection by its reason (design, section 3). Each stream (pings, navigation, ranges, swaths) is ordered on its own.
+// rejection by its reason (design, section 3). Each stream (pings, navigation, ranges, swaths, passive
+// bearings) is ordered on its own.
 //
 // The gate distinguishes a clock that was set back from a single stray stamp: after `restart_after` rejections in a row
 // that are in order among themselves, it starts anew from there and reports it once (kRestarted), so that maps can
@@ -43,6 +44,7 @@ class EventGate {
   static constexpr const char* kLeap = "position leaps farther than any vehicle moves";
   static constexpr const char* kBadNavigation = "navigation not finite";
   static constexpr const char* kBadRange = "range not finite";
+  static constexpr const char* kBadBearing = "passive bearing not possible";
   static constexpr const char* kBadHealth = "health report whose charge is no share";
 
  private:

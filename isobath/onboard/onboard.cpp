@@ -32,6 +32,7 @@ Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, 
       sphere_(sphere_of(configuration, parts.sphere)),
       scan_steering_(configuration.scan),
       corner_fixes_(configuration.corner_fix, configuration.sphere.mapper.contrast, std::move(parts.corners)),
+      contacts_(configuration.contacts, configuration.mission.memory),
       reach_m_(configuration.mission.space_route.reach_m),
       depths_interval_(seconds(configuration.mission.chart_room.live_s)),
       sphere_steers_(configuration.mission.chart_room.sphere),
@@ -87,6 +88,7 @@ void Onboard::map(Event event, const std::optional<CornerMove>& move, Clock::tim
   load_.enter(Stage::kAgents);
   tell_depths(time);
   tell_sphere(time);
+  tell_contacts(time);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_mapped(time, pipeline_, depths_, voxels_);
   load_.leave();
@@ -115,6 +117,18 @@ void Onboard::tell_sphere(Time time) {
   if (helm_ && sphere_steers_) helm_->on_world(world_);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_sphere(time, sphere);
+}
+
+/// Tells which obstacles the sounds come from, if they have been judged anew.
+void Onboard::tell_contacts(Time time) {
+  load_.enter(Stage::kObstacles);
+  if (!contacts_.update(time)) return;
+  load_.enter(Stage::kAgents);
+  for (const Decision& decision : contacts_.news()) {
+    if (helm_) helm_->on_decision(decision);
+  }
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_contacts(time, contacts_.contacts());
 }
 
 Setpoint Onboard::steer() {
@@ -147,6 +161,9 @@ void Onboard::finish() {
   pipeline_.finish();
   sphere_.end_scan();
   tell_sphere(now_);
+  if (contacts_.update(now_, true)) {
+    for (OnboardObserver* observer : observers_) observer->on_contacts(now_, contacts_.contacts());
+  }
   load_.leave();
   depths_.finish(depths_.snapshot() ? voxels_.tops() : std::vector<ColumnTop>{});
   settle();
@@ -174,6 +191,7 @@ void Onboard::on_scan(const ScanResult& scan) {
   load_.enter(Stage::kSphere);
   sphere_.end_scan();
   corner_fixes_.on_sweep(scan.posed);
+  contacts_.on_scan(scan, pipeline_.position_sigma_m());
   if (sphere_.grid()) {
     if (const auto command = scan_steering_.on_sweep(*sphere_.grid(), scan.detection.X_WB)) {
       const std::lock_guard lock(scan_mutex_);
@@ -208,6 +226,8 @@ void Onboard::on_reading(const RangeReading& reading, const Pose& X_WB) {
   load_.enter(Stage::kDepths);
 }
 
+void Onboard::on_bearing(const PassiveBearing& heard, const ListeningPose& pose) { contacts_.on_bearing(heard, pose); }
+
 void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {
   load_.enter(Stage::kVoxels);
   voxels_.update(swath, X_WB);
@@ -221,6 +241,7 @@ void Onboard::on_jump(const Eigen::Vector3d& by_W) {
   voxels_.move_along(by_W);
   sphere_.move_along(by_W);
   corner_fixes_.on_jump(by_W);
+  contacts_.on_jump(by_W.head<2>());
   world_.voxels.reset();
   if (helm_) helm_->on_jump(by_W);
   for (OnboardObserver* observer : observers_) observer->on_jump(by_W);

@@ -25,6 +25,7 @@
 #include <isobath/onboard/helm.hpp>
 #include <isobath/onboard/onboard_configuration.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/onboard/passive_contacts.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <isobath/onboard/scan_steering.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
@@ -74,6 +75,7 @@ class Onboard : private ResultSink {
   [[nodiscard]] const VoxelModel& voxels() const { return voxels_; }
   [[nodiscard]] const SphericalModel& sphere() const { return sphere_; }
   [[nodiscard]] const CornerNavigation& corner_fixes() const { return corner_fixes_; }
+  [[nodiscard]] const PassiveContacts& contacts() const { return contacts_; }
   [[nodiscard]] const DepthModel& depths() const { return depths_; }
   /// Live: pings that a full queue dropped.
   [[nodiscard]] std::uint64_t lost_pings() const { return mapping_ ? mapping_->left_out().pings : 0; }
@@ -90,12 +92,14 @@ class Onboard : private ResultSink {
   void map(Event event, const std::optional<CornerMove>& move, Clock::time_point taken);
   void tell_depths(Time time);
   void tell_sphere(Time time);
+  void tell_contacts(Time time);
 
   // Results of the pipeline.
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_vertical_ping(const PosedPing& ping) override;
   void on_reading(const RangeReading& reading, const Pose& X_WB) override;
+  void on_bearing(const PassiveBearing& heard, const ListeningPose& pose) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   [[nodiscard]] const OccupancySnapshot* heights() const override { return world_.voxels.get(); }
@@ -107,6 +111,7 @@ class Onboard : private ResultSink {
   SphericalModel sphere_;
   ScanSteering scan_steering_;
   CornerNavigation corner_fixes_;
+  PassiveContacts contacts_;
   std::mutex scan_mutex_;
   std::optional<ScanCommand> scan_command_;  ///< guarded by scan_mutex_
   WorldSnapshot world_;                      ///< what the helm gets

@@ -11,6 +11,7 @@
 #include <isobath/onboard/event_gate.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
 #include <isobath/onboard/scan_steering.hpp>
+#include <isobath/perception/contact_tracker.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/imminent_collision.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
@@ -47,6 +48,7 @@ struct OnboardConfiguration : WorldConfiguration {
   ImminentCollisionConfig collision;
   ScanSteeringConfig scan;
   CornerNavigationConfig corner_fix;
+  ContactConfig contacts;
   MissionConfig mission;
   SafetyConfig safety;
   ExecutorConfig executor;

@@ -10,6 +10,7 @@
 #include <isobath/vehicle/autopilot.hpp>
 #include <isobath/world/result_sinks.hpp>
 #include <memory>
+#include <span>
 
 namespace isobath {
 
@@ -31,6 +32,8 @@ class OnboardObserver : public ResultSink {
                          const VoxelModel& /*voxels*/) {}
   /// The spherical grid at the end of a scan; never null.
   virtual void on_sphere(Time /*time*/, const std::shared_ptr<const GridSnapshot>& /*sphere*/) {}
+  /// The sounds that a passive array hears have been judged anew.
+  virtual void on_contacts(Time /*time*/, std::span<const Contact> /*contacts*/) {}
   /// The set-point for the vehicle after an event of this time.
   virtual void on_setpoint(Time /*time*/, const Setpoint& /*setpoint*/) {}
 };

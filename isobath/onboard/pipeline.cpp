@@ -61,6 +61,7 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
   return grid;
 }
 
+constexpr const char* kNoBearing = "passive bearing without any navigation: no position";
 constexpr const char* kNoPlace = "range or sounding without any navigation: no position in the depth map";
 
 bool grid_fits(const BodyGridConfig& grid, double reach_m) {
@@ -121,6 +122,7 @@ void Pipeline::on_event(Event event) {
   if (auto* ping = std::get_if<Ping>(&event)) hold(std::move(*ping));
   if (auto* range = std::get_if<RangeReading>(&event)) hold(std::move(*range));
   if (auto* swath = std::get_if<Swath>(&event)) hold(std::move(*swath));
+  if (const auto* heard = std::get_if<PassiveBearing>(&event)) hold(*heard);
   release(now, false);
 }
 
@@ -254,8 +256,16 @@ void Pipeline::release(Time now, bool all) {
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
+void Pipeline::place(const PassiveBearing& heard) {
+  if (poses_.empty()) return gate_.count(kNoBearing);
+  const auto X_WB = poses_.at(heard.time);
+  if (!X_WB) return gate_.count(to_text(X_WB.error()));
+  sink_.on_bearing(heard, {*X_WB, poses_.sigma_m(), std::sqrt(poses_.heading_variance())});
+}
+
 void Pipeline::place(const Waiting& sensed) {
   enter(Stage::kDepths);
+  if (const auto* heard = std::get_if<PassiveBearing>(&sensed)) return place(*heard);
   const auto* ping = std::get_if<Ping>(&sensed);
   const auto* range = std::get_if<RangeReading>(&sensed);
   const auto* swath = std::get_if<Swath>(&sensed);

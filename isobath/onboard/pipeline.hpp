@@ -102,6 +102,8 @@ class Pipeline {
   [[nodiscard]] std::string undecided() const;
   /// How far the pings of the fan depart from the fan model that sensor.model names; empty: it names no fan model.
   [[nodiscard]] std::optional<FanDeparture> departure() const { return echoes_.departure(); }
+  /// Standard deviation of the position in the plane, as the newest fix states it, m; 0: not stated.
+  [[nodiscard]] double position_sigma_m() const { return poses_.sigma_m(); }
   /// The grid; empty before the first ping.
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
@@ -110,12 +112,13 @@ class Pipeline {
     if (load_) load_->enter(stage);
   }
   void restart();
-  using Waiting = std::variant<Ping, RangeReading, Swath>;
+  using Waiting = std::variant<Ping, RangeReading, Swath, PassiveBearing>;
   void add_fix(const Navigation& fix);
   void follow(const Eigen::Vector3d& jump);
   void hold(Waiting sensed);
   void release(Time now, bool all);
   void place(const Waiting& sensed);
+  void place(const PassiveBearing& heard);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
   EchoDetector& detector_of(const Ping& ping);
   void map_vertical(const Ping& ping, const Pose& X_WB, bool posed);

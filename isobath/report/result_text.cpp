@@ -130,6 +130,18 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
   return geojson_text(features, origin);
 }
 
+std::string notes_on(const WholeObstacle& o) {
+  std::string text;
+  if (o.behind) text = "behind a nearer obstacle";
+  const auto add = [&](const char* note) { text += std::string(text.empty() ? "" : "; ") + note; };
+  if (o.possible_multiple) add("possible multiple echo");
+  const WaterLabel label = o.nearest->label;
+  if (label == WaterLabel::kStanding) add("stands in the water");
+  if (label == WaterLabel::kBottom) add("bottom");
+  if (label == WaterLabel::kSurface) add("surface");
+  return text;
+}
+
 ordered_json counts_json(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   return {{"pings", n.pings},

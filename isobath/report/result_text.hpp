@@ -5,6 +5,7 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/depth/revisit_record.hpp>
 #include <isobath/map/occupancy/obstacle.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/report/run_outcome.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -32,6 +33,8 @@ nlohmann::ordered_json obstacle_list(const std::vector<Obstacle>& obstacles);
 std::string obstacles_json(const ScanRecord& scan);
 std::string scans_json(std::span<const ScanRecord> scans);
 /// RFC 7946: one polygon per obstacle, in longitude and latitude.
+/// "behind a nearer obstacle; bottom": what a table of obstacles says beside the numbers.
+std::string notes_on(const WholeObstacle& obstacle);
 std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
 /// Counts of a run by kind; rejected data by reason; alarms.
 nlohmann::ordered_json counts_json(const RunOutcome& outcome);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <isobath/onboard/corner_navigation.hpp>
+#include <isobath/onboard/passive_contacts.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/report/depth_outcome.hpp>
@@ -49,6 +50,7 @@ struct RunOutcome {
   std::optional<VoxelOutcome> voxels;          ///< if there is a voxel map
   std::optional<SphericalOutcome> sphere;      ///< if there is a spherical grid
   std::optional<CornerFixOutcome> corner_fix;  ///< if the configuration asks for fixes by charted corners
+  std::optional<ContactOutcome> contacts;      ///< if a passive array heard anything
   std::optional<Sharpness> sharpness;          ///< if a fan moved while it detected something; not in simulated runs
   std::optional<DriftOutcome> drift;           ///< if there is a reference track
   std::optional<MissionOutcome> mission;       ///< if there was a mission

@@ -70,6 +70,7 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
           helm.progress(),
           onboard.pipeline().counts(),
           onboard.corner_fixes().outcome(),
+          onboard.contacts().outcome(),
           simulator.now_s(),
           judge ? judge->score() : TruthScore{},
           source.at_the_link() ? source.at_the_link()->answers() : std::vector<OperatorAnswer>{}};

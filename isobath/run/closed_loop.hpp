@@ -11,6 +11,7 @@
 #include <isobath/onboard/corner_navigation.hpp>
 #include <isobath/onboard/helm.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/onboard/passive_contacts.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
@@ -37,10 +38,11 @@ struct LoopResult : TrackTruth {
   std::vector<Decision> decisions;
   MissionReport report;
   PipelineCounts counts;
-  CornerFixOutcome corner_fix;          ///< without any fix if the configuration asks for none
-  double duration_s = 0;                ///< simulated
-  TruthScore sight;                     ///< how well the bodies were detected; if `judge`
-  std::vector<OperatorAnswer> answers;  ///< received by the operator, if there is one
+  CornerFixOutcome corner_fix;             ///< without any fix if the configuration asks for none
+  std::optional<ContactOutcome> contacts;  ///< if a passive array heard anything
+  double duration_s = 0;                   ///< simulated
+  TruthScore sight;                        ///< how well the bodies were detected; if `judge`
+  std::vector<OperatorAnswer> answers;     ///< received by the operator, if there is one
 };
 
 /// The agents of the scenario's mission steer; live, each in a thread of its own. Throws Error if they cannot be made.

@@ -253,6 +253,7 @@ RunOutcome Run::outcome() {
     if (outcome.sharpness) folder_.show_placement(fan_->view(outcome));
   }
   if (request_.configuration.corner_fix.on) outcome.corner_fix = onboard_.corner_fixes().outcome();
+  outcome.contacts = onboard_.contacts().outcome();
   if (onboard_.sphere().grid()) outcome.sphere = onboard_.sphere().outcome(vehicle_radius_m());
   folder_.write(request_, onboard_, outcome);
   return outcome;

@@ -192,6 +192,14 @@ void RunDisplay::show_sphere(const Time& time, const std::shared_ptr<const GridS
   display_->show(time, *sphere);
 }
 
+void RunDisplay::on_contacts(Time time, std::span<const Contact> contacts) {
+  post(Kind::kNote, &RunDisplay::show_contacts, time, std::vector<Contact>(contacts.begin(), contacts.end()));
+}
+
+void RunDisplay::show_contacts(const Time& time, const std::vector<Contact>& contacts) {
+  display_->show(time, std::span<const Contact>(contacts));
+}
+
 void RunDisplay::look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
   if (!thread_) return display_->look(time, pipeline, depths, voxels);
   if (const VoxelMap* map = voxels.map()) voxels_->show(time, *map);

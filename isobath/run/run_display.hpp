@@ -62,6 +62,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   void on_sphere(Time time, const std::shared_ptr<const GridSnapshot>& sphere) override;
+  void on_contacts(Time time, std::span<const Contact> contacts) override;
   void on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) override;
   /// Shows those maps and counts that are due. In a sequential run the caller calls it after `show`.
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
@@ -105,6 +106,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void show_scene(const Time& time, const DisplayScene& scene);
   void show_timings(const Time& time, const MissionTimings& timings, const std::uint64_t& lost_pings);
   void show_sphere(const Time& time, const std::shared_ptr<const GridSnapshot>& sphere);
+  void show_contacts(const Time& time, const std::vector<Contact>& contacts);
   void show_depths(const Time& time, const std::shared_ptr<const DepthSnapshot>& snapshot);
   void take_counts(const Time& time, const DisplayCounts& counts);
   void show_counts(Time time);

@@ -9,6 +9,7 @@
 #include <isobath/io/gdal/geotiff.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/onboard/onboard.hpp>
+#include <isobath/report/contact_text.hpp>
 #include <isobath/report/corner_fix_text.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/html_report.hpp>
@@ -31,18 +32,6 @@ std::string sentence(std::string text) {
 }
 
 std::string degrees(Angle a) { return fmt::format("{:.1f}", a.wrapped_positive().degrees()); }
-
-std::string notes(const WholeObstacle& o) {
-  std::string text;
-  if (o.behind) text = "behind a nearer obstacle";
-  const auto add = [&](const char* note) { text += std::string(text.empty() ? "" : "; ") + note; };
-  if (o.possible_multiple) add("possible multiple echo");
-  const WaterLabel label = o.nearest->label;
-  if (label == WaterLabel::kStanding) add("stands in the water");
-  if (label == WaterLabel::kBottom) add("bottom");
-  if (label == WaterLabel::kSurface) add("surface");
-  return text;
-}
 
 /// The name of a log or a folder, with or without a slash at the end.
 std::string input_name(const std::filesystem::path& input) {
@@ -68,6 +57,7 @@ void add_warnings(HtmlReport& page, const RunOutcome& outcome) {
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (outcome.corner_fix) page.paragraph(sentence(corner_fix_text(*outcome.corner_fix)) + ".");
+  if (outcome.contacts) page.paragraph(contact_paragraph(*outcome.contacts));
   if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
   if (outcome.counts.pings > 0 && outcome.counts.unposed == outcome.counts.pings)
     page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");
@@ -168,7 +158,8 @@ std::string rarer_in(const EmbeddedReplay& replay, const ReportConfig& config) {
                                                             {DisplayKind::kScene, "the scene"},
                                                             {DisplayKind::kHealth, "counts"},
                                                             {DisplayKind::kCubes, "voxels in larger cubes"},
-                                                            {DisplayKind::kSphere, "the spherical grid"}};
+                                                            {DisplayKind::kSphere, "the spherical grid"},
+                                                            {DisplayKind::kSounds, "sounds"}};
   std::string rarer;
   for (const auto& [kind, name] : kNames) {
     if (replay.interval_s(kind) <= config.replay_s) continue;
@@ -280,6 +271,8 @@ void RunFolder::write(const RunRequest& request, const Onboard& onboard, RunOutc
   write_text("scans.json", scans_json(scans_), outcome);
   const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
   if (origin) write_text("obstacles.geojson", obstacles_geojson(last, *origin), outcome);
+  if (outcome.contacts && outcome.source.origin)
+    write_text("contacts.geojson", contacts_geojson(*outcome.contacts, *outcome.source.origin), outcome);
   if (const BodyGrid* grid = onboard.pipeline().grid()) {
     write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
@@ -332,7 +325,8 @@ void RunFolder::add_scan(HtmlReport& page, const Pictures& pictures) const {
   std::vector<HtmlReport::Row> rows;
   for (const WholeObstacle& o : whole_obstacles(obstacles_)) {
     rows.push_back({std::to_string(o.number), degrees(o.nearest->bearing), fmt::format("{:.2f}", o.nearest->range_m),
-                    fmt::format("{}, {:.1f} m", o.kind(), o.extent_m), fmt::format("{:.3f}", o.existence), notes(o)});
+                    fmt::format("{}, {:.1f} m", o.kind(), o.extent_m), fmt::format("{:.3f}", o.existence),
+                    notes_on(o)});
   }
   if (rows.empty()) return page.paragraph("No obstacle at the end of the run.");
   page.table({"obstacle", "bearing (deg)", "nearest point (m)", "kind, extent", "existence", ""}, rows);

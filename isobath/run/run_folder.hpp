@@ -7,6 +7,7 @@
 //   sonar.png           the last sweep in plan       detections.png      obstacles drawn over it
 //   mission.json, decisions.json, mission.png, clearance.png: the mission (mission_pages.hpp)
 //   placed.png, sharpness.png: the detections of a moving fan (placement_pages.hpp)
+//   contacts.geojson: the sounds that a passive array heard (contact_text.hpp)
 //   depth.tif, chart.png, confidence.png, contours.geojson: the depth map (depth_pages.hpp)
 #pragma once
 

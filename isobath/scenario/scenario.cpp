@@ -128,6 +128,7 @@ std::optional<Event> SimulatedSource::next() {
     if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);
     if (auto* fix = std::get_if<Navigation>(&*event)) return std::move(*fix);
     if (auto* health = std::get_if<Health>(&*event)) return std::move(*health);
+    if (auto* heard = std::get_if<PassiveBearing>(&*event)) return *heard;
     for (TruthSink* sink : truth_) {
       if (const auto* echoes = std::get_if<EchoTruth>(&*event)) sink->on_truth(*echoes);
       if (const auto* motion = std::get_if<TrueMotion>(&*event)) sink->on_truth(*motion);

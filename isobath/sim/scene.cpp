@@ -240,6 +240,9 @@ void check(const Scene& scene) {
   }
   for (const FaultConfig& fault : scene.faults) check_fault(fault);
   for (const SonarConfig& sonar : scene.sonars) check(sonar);
+  std::vector<std::string> bodies;
+  for (const Body& b : scene.bodies) bodies.push_back(b.name);
+  check(scene.hydrophones, scene.sounds, bodies, {.file = scene.file});
 }
 
 void check_length(const Scene& scene, double duration_s) {
@@ -255,6 +258,9 @@ void check_length(const Scene& scene, double duration_s) {
   add(n.lbl);
   for (const SonarConfig& sonar : scene.sonars) {
     if (sonar.on) per_second += 1 / ping_interval_s(sonar);
+  }
+  if (scene.hydrophones.on) {
+    per_second += static_cast<double>(scene.sounds.size()) / scene.hydrophones.interval_s;
   }
   if (per_second * duration_s <= kMaxSceneEvents) return;
   throw Error(fmt::format("{:g} s of this scene are {:.0f} million pings and readings", duration_s,
@@ -313,7 +319,8 @@ Schema schema(Scene& s) {
                   {"water", "The water and its acoustic properties.", fields(s.water)},
                   {"bottom", "The bottom.", bottom_fields(s.bottom)},
                   {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)},
-                  {"navigation", "The navigator of the vehicle.", fields(s.navigator)}};
+                  {"navigation", "The navigator of the vehicle.", fields(s.navigator)},
+                  {"hydrophones", "The passive array of the vehicle.", fields(s.hydrophones)}};
   for (Section& section : sections(s.navigation)) all.sections.push_back(std::move(section));
   all.lists = {{"material", "A material defined by the scene.",
                 [&s](const Place&) { return material_fields(s.materials.emplace_back()); }},
@@ -332,6 +339,13 @@ Schema schema(Scene& s) {
                   sonar.place = place;
                   if (s.sonars.size() > 1) sonar.name = fmt::format("sonar {}", s.sonars.size());
                   return fields(sonar);
+                }},
+               {"sound", "A machine that sounds at one frequency, for the passive array.",
+                [&s](const Place& place) {
+                  SoundConfig& sound = s.sounds.emplace_back();
+                  sound.place = place;
+                  sound.name = fmt::format("sound {}", s.sounds.size());
+                  return fields(sound);
                 }},
                section_list(s.faults)};
   return all;

@@ -19,6 +19,7 @@
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/dead_reckoning.hpp>
 #include <isobath/sim/fault_config.hpp>
+#include <isobath/sim/hydrophones.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
 #include <isobath/sim/sonar_config.hpp>
 #include <isobath/sim/water.hpp>
@@ -147,6 +148,8 @@ struct Scene {
   VehicleConfig vehicle;
   std::vector<WaypointConfig> waypoints;
   std::vector<SonarConfig> sonars;
+  HydrophonesConfig hydrophones;
+  std::vector<SoundConfig> sounds;
   DeadReckoningConfig navigator{.kind = NavigatorKind::kTruth};
   NavigationSensorsConfig navigation;
   std::vector<FaultConfig> faults;

@@ -12,7 +12,7 @@ constexpr double kStep = 0.02, kTruthInterval = 0.1, kHealthInterval = 1, kNear 
 constexpr double kPartSilent = 0.5, kPartPeriods = 5;  // s, periods: a sensor that is silent longer has failed
 constexpr double kDiveMemory = 20;                     // s: correlation time of the noise on a dive
 
-enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed };
+enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed, kHydrophoneSeed };
 
 /// A vehicle that follows its set-points instantly, for scenes without a vehicle file.
 VehicleModel point_vehicle() {
@@ -108,6 +108,9 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
   for (const char* source : {"compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl"}) {
     reading_channels_.emplace_back(source, FaultyChannel<NavReading>(faults_, source));
   }
+  if (scene_.hydrophones.on) {
+    hydrophones_.emplace(scene_.hydrophones, scene_.sounds, *world_, water_, seed_at(seed_, kHydrophoneSeed, 0));
+  }
   watch_parts();
   near_.resize(world_->bodies().size());
   state_before_ = plant_->state();
@@ -159,6 +162,7 @@ void Simulator::step() {
   for (; next_truth_ <= now_; next_truth_ += seconds(kTruthInterval)) truth(next_truth_);
   navigate();
   ping_all();
+  listen();
   report_health();
 }
 
@@ -229,6 +233,7 @@ void Simulator::put(SimulatedEvent event) {
     void operator()(RangeReading& e) const { e.time += by; }
     void operator()(Navigation& e) const { e.time += by; }
     void operator()(Health& e) const { e.time += by; }
+    void operator()(PassiveBearing& e) const { e.time += by; }
     void operator()(EchoTruth& e) const { e.time += by; }  // keeps the time of its ping
     void operator()(TrueMotion&) const {}
   };
@@ -304,6 +309,17 @@ void Simulator::ping_all() {
     deliver(device->pings);
     if (deliver(device->ranges)) {
       if (const auto part = parts_.find(device->name); part != parts_.end()) part->second.heard = now_;
+    }
+  }
+}
+
+/// The passive array hears what sounds.
+void Simulator::listen() {
+  if (!hydrophones_) return;
+  for (; next_bearings_ <= now_; next_bearings_ += hydrophones_->interval()) {
+    world_->move_to(to_seconds(next_bearings_));
+    for (const PassiveBearing& heard : hydrophones_->listen(next_bearings_, state_at(next_bearings_), bearings_++)) {
+      put(heard);
     }
   }
 }

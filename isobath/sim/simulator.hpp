@@ -14,6 +14,7 @@
 #include <deque>
 #include <isobath/sim/dead_reckoning.hpp>
 #include <isobath/sim/faulty_channel.hpp>
+#include <isobath/sim/hydrophones.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
 #include <isobath/sim/scene.hpp>
 #include <isobath/sim/simulated_sonar.hpp>
@@ -29,8 +30,8 @@
 
 namespace isobath {
 
-/// Output of the vehicle (the first four) and ground truth (the last two).
-using SimulatedEvent = std::variant<Ping, RangeReading, Navigation, Health, EchoTruth, TrueMotion>;
+/// Output of the vehicle (the first five) and ground truth (the last two).
+using SimulatedEvent = std::variant<Ping, RangeReading, Navigation, Health, PassiveBearing, EchoTruth, TrueMotion>;
 
 struct SimulationConfig {
   int seed = -1;             ///< -1: the scene's seed
@@ -75,6 +76,7 @@ class Simulator {
   void move(double dt);
   void navigate();
   void ping_all();
+  void listen();
   void report_health();
   void watch_parts();
   void report_parts();
@@ -101,6 +103,9 @@ class Simulator {
   std::vector<std::unique_ptr<Device>> devices_;
   std::vector<std::pair<std::string, FaultyChannel<NavReading>>> reading_channels_;
   FaultyChannel<Navigation> fix_channel_;
+  std::optional<Hydrophones> hydrophones_;
+  Time next_bearings_{};
+  std::uint64_t bearings_ = 0;  ///< sets of bearings so far
   struct Part {
     double silent_s = 0;  ///< a sensor's longest silence; 0: no sensor
     Time heard{};         ///< time of the last reading

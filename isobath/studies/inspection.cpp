@@ -105,8 +105,9 @@ Inspection inspect(Source& source, const std::function<void(std::uint64_t)>& pro
   facts.intensity_max = std::numeric_limits<float>::lowest();
   facts.azimuth_min_deg = 360;
   facts.azimuth_max_deg = -360;
-  StreamCount streams[] = {StreamCount("pings"),  StreamCount("ranges"), StreamCount("navigation"),
-                           StreamCount("health"), StreamCount("swaths"), StreamCount("operator")};
+  StreamCount streams[] = {StreamCount("pings"),   StreamCount("ranges"), StreamCount("navigation"),
+                           StreamCount("health"),  StreamCount("swaths"), StreamCount("operator"),
+                           StreamCount("bearings")};
   static_assert(std::variant_size_v<Event> == std::size(streams));
   std::vector<float> profile;
   std::uint64_t events = 0;

@@ -3,6 +3,7 @@
 
 #include <isobath/map/occupancy/body_grid.hpp>
 #include <isobath/map/voxel/occupancy_snapshot.hpp>
+#include <isobath/perception/contact_tracker.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/ping.hpp>
@@ -52,6 +53,8 @@ class ResultSink {
   virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
   /// Each range once, with the pose at its time. Without navigation there is none.
   virtual void on_reading(const RangeReading& /*reading*/, const Pose& /*X_WB*/) {}
+  /// Each passive bearing once, with the pose at its time. Without navigation there is none.
+  virtual void on_bearing(const PassiveBearing& /*heard*/, const ListeningPose& /*pose*/) {}
   /// Each swath once. Without any navigation the vehicle is assumed to stand still.
   virtual void on_soundings(const Swath& /*swath*/, const Pose& /*X_WB*/) {}
 };

@@ -137,6 +137,7 @@ TEST_F(JsonOutput, OfRun) {
           {"run", scenario("harbour_loop"), "--out", folder_ / "harbour", "--set", "corner_fix.on=true", "--set",
            "simulation.duration_s=40"},
           1);
+  compare("run", {"run", scenario("machinery"), "--out", folder_ / "sounds", "--set", "simulation.duration_s=60"}, 1);
   compare("run",
           {"run", scenario("winnipesaukee"), "--out", folder_ / "lake", "--set", "depth_map.area_m=512", "--set",
            "simulation.duration_s=190"},

@@ -188,6 +188,23 @@ TEST(NativeLogRecords, OperatorFrame) {
                 "isobath/msg/OperatorFrame", hex(kHeadAndTime + "03 00x3 AA BB CC"));
 }
 
+TEST(NativeLogRecords, PassiveBearing) {
+  isobath::PassiveBearing heard{.time = kWhen,
+                                .bearing = Angle::radians(0.5),
+                                .sigma = Angle::radians(0.25),
+                                .elevation = {},
+                                .frequency_hz = 50,
+                                .resolution_hz = 2,
+                                .snr_db = -3,
+                                .X_BS = golden_pose()};
+  const std::string head = kHeadAndTime + kPoseBytes +
+                           "00x6 E0 3F 00x6 D0 3F "           // bearing 0.5, sigma 0.25
+                           "00x6 49 40 00x7 40 00x6 08 C0 ";  // frequency 50, resolution 2, snr -3
+  expect_record(stored_event(heard), "/bearing", "isobath/msg/PassiveBearing", hex(head + "00x4"));
+  heard.elevation = Angle::radians(0.75);
+  expect_record(stored_event(heard), "/bearing", "isobath/msg/PassiveBearing", hex(head + "01 00x3 00x6 E8 3F"));
+}
+
 TEST(NativeLogRecords, TrueMotion) {
   isobath::TrueMotion motion;
   motion.time = kWhen;
@@ -244,6 +261,7 @@ TEST(NativeLogRecords, DefinitionsOfAllKinds) {
   const std::filesystem::path file = test::scratch_folder() / "log.mcap";
   NativeLogWriter writer(file, {McapCompression::kNone, 1024});
   writer.write(isobath::OperatorFrame{kWhen, {}});
+  writer.write(isobath::PassiveBearing{});
   writer.write(isobath::TrueMotion{});
   writer.write(isobath::EchoTruth{});
   writer.write(kWhen, isobath::Setpoint{});
@@ -259,11 +277,12 @@ TEST(NativeLogRecords, DefinitionsOfAllKinds) {
         mcap::crc32({reinterpret_cast<const std::uint8_t*>(schema.data.data()), schema.data.size()});
   }
   const std::map<std::string, std::uint32_t> stated = {
-      {"isobath/msg/Ping", 0x4ddfaf70},         {"isobath/msg/Navigation", 0x91d98934},
-      {"isobath/msg/RangeReading", 0x1993bb3d}, {"isobath/msg/Health", 0x09da48a1},
-      {"isobath/msg/Swath", 0xdf1dd533},        {"isobath/msg/OperatorFrame", 0xf0f42c71},
-      {"isobath/msg/TrueMotion", 0xd6a1f079},   {"isobath/msg/EchoTruth", 0xb2f4c192},
-      {"isobath/msg/Setpoint", 0x10547a1a},     {"isobath/msg/Decision", 0x63bf8db5}};
+      {"isobath/msg/Ping", 0x4ddfaf70},           {"isobath/msg/Navigation", 0x91d98934},
+      {"isobath/msg/RangeReading", 0x1993bb3d},   {"isobath/msg/Health", 0x09da48a1},
+      {"isobath/msg/Swath", 0xdf1dd533},          {"isobath/msg/OperatorFrame", 0xf0f42c71},
+      {"isobath/msg/PassiveBearing", 0xf9bfb52f}, {"isobath/msg/TrueMotion", 0xd6a1f079},
+      {"isobath/msg/EchoTruth", 0xb2f4c192},      {"isobath/msg/Setpoint", 0x10547a1a},
+      {"isobath/msg/Decision", 0x63bf8db5}};
   EXPECT_EQ(checksums, stated);
 }
 

@@ -95,6 +95,18 @@ inline std::vector<Event> sample_events(int count, std::uint64_t seed) {
         frame.bytes.push_back(static_cast<std::uint8_t>(random.bits()));
       }
       events.emplace_back(std::move(frame));
+    } else if (kind == 5 && i % 3 == 1) {
+      PassiveBearing heard{.time = Time{Duration(i)},
+                           .bearing = Angle::radians(random.normal()),
+                           .sigma = Angle::radians(random.uniform()),
+                           .elevation = {},
+                           .frequency_hz = 1000 * random.uniform(),
+                           .resolution_hz = random.uniform(),
+                           .snr_db = random.normal(),
+                           .X_BS = sample_pose(random)};
+      if (i % 2) heard.elevation = Angle::radians(random.normal());
+      if (i % 5 == 0) heard.frequency_hz = NAN;
+      events.emplace_back(heard);
     } else if (kind == 5) {
       Health health{Time{Duration(i)}, i % 2 ? "vehicle" : "", static_cast<HealthState>(i % 3), 0.5f, i % 5 == 0,
                     "a note"};
@@ -171,6 +183,12 @@ inline bool same(const Swath& a, const Swath& b) {
 }
 
 inline bool same(const OperatorFrame& a, const OperatorFrame& b) { return a.time == b.time && a.bytes == b.bytes; }
+
+inline bool same(const PassiveBearing& a, const PassiveBearing& b) {
+  return a.time == b.time && a.bearing == b.bearing && a.sigma == b.sigma && a.elevation == b.elevation &&
+         same(a.frequency_hz, b.frequency_hz) && a.resolution_hz == b.resolution_hz && a.snr_db == b.snr_db &&
+         same(a.X_BS, b.X_BS);
+}
 
 inline bool same(const Event& a, const Event& b) {
   return a.index() == b.index() &&

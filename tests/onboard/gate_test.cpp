@@ -45,6 +45,45 @@ TEST(EventGate, RejectsWhatIsNotFinite) {
   EXPECT_EQ(gate.rejected().at(EventGate::kBadNavigation), 2u);
 }
 
+// ledger: S4-54
+TEST(EventGate, RefusesPassiveBearingsThatCannotBe) {
+  const auto heard = [](double t) {
+    PassiveBearing b;
+    b.time = Time(seconds(t));
+    b.sigma = Angle::degrees(3);
+    b.frequency_hz = 120;
+    return b;
+  };
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(heard(1)), Verdict::kAdmitted);
+  const auto with = [&](auto change) {
+    PassiveBearing bad = heard(2);
+    change(bad);
+    return gate.judge(bad);
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::uint64_t bad = 0;
+  for (const double v : {kNaN, kInfinity, -1.0, 0.0}) {
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.sigma = Angle::radians(v); }), Verdict::kRejected) << v;
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.frequency_hz = v; }), Verdict::kRejected) << v;
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.resolution_hz = v; }), Verdict::kRejected) << v;
+    bad += 3;
+  }
+  for (const double v : {kNaN, kInfinity}) {
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.bearing = Angle::radians(v); }), Verdict::kRejected);
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.elevation = Angle::radians(v); }), Verdict::kRejected);
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.snr_db = v; }), Verdict::kRejected);
+    EXPECT_EQ(with([v](PassiveBearing& b) { b.X_BS.translation.x() = v; }), Verdict::kRejected);
+    bad += 4;
+  }
+  EXPECT_EQ(with([](PassiveBearing& b) { b.elevation = Angle::degrees(91); }), Verdict::kRejected);
+  EXPECT_EQ(gate.rejected().at(EventGate::kBadBearing), bad + 1);
+  EXPECT_EQ(gate.judge(heard(0.5)), Verdict::kRejected);
+  EXPECT_EQ(gate.rejected().at(EventGate::kBackwards), 1U);
+  EXPECT_EQ(gate.judge(heard(3)), Verdict::kAdmitted) << "bad ones do not stop good ones";
+}
+
 TEST(EventGate, StartsAnewWhenTheClockWasSetBack) {
   EventGate gate({.max_age_s = 2, .restart_after = 5});
   EXPECT_EQ(gate.judge(ping_at(1000)), Verdict::kAdmitted);

@@ -9,6 +9,7 @@ import * as items from './items';
 import * as protocol from './protocol';
 import { Kind } from './protocol';
 import { EchoTrail } from './echo_trail';
+import { readSounds, type Sound } from './sounds';
 import { SonarImage } from './sonar_image';
 
 export interface TrackPiece {
@@ -51,6 +52,8 @@ export class Model {
   readonly cubes = new Map<string, Revised<protocol.VoxelBlock>>();
   /** The spherical grid. */
   sphere: protocol.Sphere | null = null;
+  /** What the passive array hears. */
+  sounds: Sound[] = [];
   health: items.Health | null = null;
   /** Times of the stages by a real clock; in a live view only. */
   times: items.StageTime[] = [];
@@ -90,6 +93,7 @@ export class Model {
     this.pieces = [];
     this.decisions = [];
     this.times = [];
+    this.sounds = [];
     for (const map of [this.track, this.sonars, this.depth, this.voxels, this.cubes, this.waiting]) map.clear();
     this.trail.clear();
     for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
@@ -161,6 +165,8 @@ export class Model {
         );
       case Kind.sphere:
         return this.keep(protocol.readSphere(payload), (sphere) => (this.sphere = sphere));
+      case Kind.sounds:
+        return this.keep(readSounds(protocol.readJson(payload)), (sounds) => (this.sounds = sounds));
       case Kind.health:
         return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
       case Kind.times:
@@ -245,6 +251,9 @@ export class Model {
         break;
       case Kind.sphere:
         this.sphere = null;
+        break;
+      case Kind.sounds:
+        this.sounds = [];
         break;
       case Kind.health:
         this.health = null;

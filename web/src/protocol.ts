@@ -25,9 +25,10 @@ export const Kind = {
   times: 15,
   cubes: 16,
   sphere: 17,
+  sounds: 18,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.sphere;
+export const kLastKind = Kind.sounds;
 
 export const kHead = 24;
 const kGone = 1;

@@ -28,6 +28,7 @@ export interface Paint {
   vehicle: string;
   vehicleEdge: string;
   decision: string;
+  sound: string;
   ruler: string;
   hatch: string;
   occupied: readonly [number, number, number];
@@ -62,6 +63,7 @@ const day: Paint = {
   vehicle: '#ffd21f',
   vehicleEdge: '#14202c',
   decision: '#d65e00',
+  sound: '#006b75',
   ruler: '#c00d1e',
   hatch: 'rgb(255 255 255 / 0.5)',
   occupied: [166, 58, 0],
@@ -101,6 +103,7 @@ const night: Paint = {
   vehicle: '#f2c14e',
   vehicleEdge: '#1a0b06',
   decision: '#c2491d',
+  sound: '#d8b25a',
   ruler: '#ff7a5c',
   hatch: 'rgb(10 4 2 / 0.6)',
   occupied: [235, 84, 40],

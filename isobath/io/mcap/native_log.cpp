@@ -33,7 +33,9 @@ bool NativeLogWriter::write(const Event& event) {
   if (const Ping* ping = std::get_if<Ping>(&event); ping && !native::writable(*ping)) return false;
   native::encode(event, message_);
   if (std::holds_alternative<OperatorFrame>(event)) late_channel(operator_, native::kOperatorFrame);
-  const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_, operator_};  // in variant order
+  if (std::holds_alternative<PassiveBearing>(event)) late_channel(bearing_, native::kBearing);
+  const std::uint16_t channels[] = {ping_,  range_,    navigation_, health_,
+                                    swath_, operator_, bearing_};  // in variant order
   static_assert(std::variant_size_v<Event> == std::size(channels));
   send(channels[event.index()], time_of(event), message_);
   return true;

@@ -1,12 +1,13 @@
 // Isobath's native log: every Event, exactly, in an MCAP container (mcap.hpp).
 //
-// Channels /ping, /navigation, /range, /health, /swath and, if there are operator frames, /operator carry CDR
-// (little-endian). The file contains the ros2msg definitions isobath/msg/Ping, Navigation, RangeReading, Health, Swath
-// and OperatorFrame, so that other viewers decode every field by name. Reading returns the same events in the same
-// order: times, poses, beams and samples bit for bit. Pings of the same fan share one BeamFan. Samples are stored beam
-// by beam, whatever the strides of the source were. The metadata hold the origin on the globe, the details of the
-// source, and the configuration. Errors: as McapWriter. open_native_log throws Error if the file is not MCAP or has no
-// Isobath channel. The report counts damage, messages of other channels and messages that cannot be decoded.
+// Channels /ping, /navigation, /range, /health, /swath and, if there are operator frames or passive bearings, /operator
+// and /bearing carry CDR (little-endian). The file contains the ros2msg definitions isobath/msg/Ping, Navigation,
+// RangeReading, Health, Swath, OperatorFrame and PassiveBearing, so that other viewers decode every field by name.
+// Reading returns the same events in the same order: times, poses, beams and samples bit for bit. Pings of the same fan
+// share one BeamFan. Samples are stored beam by beam, whatever the strides of the source were. The metadata hold the
+// origin on the globe, the details of the source, and the configuration. Errors: as McapWriter. open_native_log throws
+// Error if the file is not MCAP or has no Isobath channel. The report counts damage, messages of other channels and
+// messages that cannot be decoded.
 #pragma once
 
 #include <filesystem>
@@ -68,7 +69,7 @@ class NativeLogWriter {
 
   McapWriter mcap_;
   std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;
-  std::uint16_t operator_ = 0;                    ///< added with the first operator frame
+  std::uint16_t operator_ = 0, bearing_ = 0;      ///< added with the first operator frame, passive bearing
   std::uint16_t motion_ = 0, echoes_ = 0;         ///< added with the first truth; a vehicle's log has none
   std::uint16_t setpoint_ = 0, decisions_ = 0;    ///< added with the first; a log without a mission has none
   std::map<std::string, std::uint16_t> schemas_;  ///< schemas of the caller's channels, by name

@@ -93,6 +93,23 @@ std::optional<Event> take_operator_frame(std::span<const std::uint8_t> data) {
   return frame;
 }
 
+std::optional<Event> take_bearing(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  PassiveBearing heard;
+  bool bad = false;
+  heard.time = take_time(r);
+  heard.X_BS = take_pose(r, bad);
+  heard.bearing = Angle::radians(r.number<double>());
+  heard.sigma = Angle::radians(r.number<double>());
+  heard.frequency_hz = r.number<double>();
+  heard.resolution_hz = r.number<double>();
+  heard.snr_db = r.number<double>();
+  const auto elevation = r.sequence<double>();
+  if (bad || !r.ok() || elevation.size() > 8) return std::nullopt;
+  if (!elevation.empty()) heard.elevation = Angle::radians(double_at(elevation, 0));
+  return heard;
+}
+
 template <class Number>
 Number number_at(std::span<const std::uint8_t> bytes, std::size_t i) {
   Number value{};
@@ -243,6 +260,7 @@ std::optional<Event> decode_event(std::string_view kind, const McapMessage& mess
   if (kind == kHealth.name) return take_health(message.data);
   if (kind == kSwath.name) return take_swath(message.data);
   if (kind == kOperatorFrame.name) return take_operator_frame(message.data);
+  if (kind == kBearing.name) return take_bearing(message.data);
   return std::nullopt;
 }
 

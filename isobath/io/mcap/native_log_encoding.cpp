@@ -89,6 +89,15 @@ void put(CdrWriter& w, const OperatorFrame& f) {
   std::copy(f.bytes.begin(), f.bytes.end(), w.sequence<std::uint8_t>(f.bytes.size()));
 }
 
+void put(CdrWriter& w, const PassiveBearing& b) {
+  w.number(std::int64_t{b.time.time_since_epoch().count()});
+  put_pose(w, b.X_BS);
+  w.number(b.bearing.radians()).number(b.sigma.radians());
+  w.number(b.frequency_hz).number(b.resolution_hz).number(b.snr_db);
+  put_doubles(
+      w, [&](std::size_t) { return b.elevation->radians(); }, b.elevation ? 1 : 0);
+}
+
 /// Writes one member of every sounding as a list.
 template <class Number, class Member>
 void put_column(CdrWriter& w, const std::vector<Sounding>& soundings, Member member) {

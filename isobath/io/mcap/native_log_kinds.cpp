@@ -101,6 +101,20 @@ const RecordKind kOperatorFrame = {.topic = "/operator",
                                        "int64 time_ns\n"
                                        "uint8[] bytes\n"};
 
+const RecordKind kBearing = {.topic = "/bearing",
+                             .name = "isobath/msg/PassiveBearing",
+                             .definition =
+                                 "# The direction of one frequency line, by an array of hydrophones. SI units.\n"
+                                 "int64 time_ns\n"
+                                 "isobath/Pose sensor       # array in body\n"
+                                 "float64 bearing           # about z of the array, clockwise from its x, rad\n"
+                                 "float64 bearing_sigma     # standard deviation, rad\n"
+                                 "float64 frequency         # Hz\n"
+                                 "float64 resolution        # width of a frequency cell, Hz\n"
+                                 "float64 snr               # signal to noise in that cell, dB\n"
+                                 "float64[] elevation       # above the array's x-y plane, rad; empty: not resolved\n",
+                             .has_poses = true};
+
 const RecordKind kTrueMotion = {.topic = "/truth/motion",
                                 .name = "isobath/msg/TrueMotion",
                                 .definition =

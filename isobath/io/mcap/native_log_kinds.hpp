@@ -23,6 +23,7 @@ extern const RecordKind kRange;
 extern const RecordKind kHealth;
 extern const RecordKind kSwath;
 extern const RecordKind kOperatorFrame;
+extern const RecordKind kBearing;
 // Ground truth of a simulator.
 extern const RecordKind kTrueMotion;
 extern const RecordKind kEchoTruth;

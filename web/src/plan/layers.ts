@@ -13,6 +13,7 @@ export const layerNames = {
   fence: 'Fence and keep-out areas',
   bodies: 'Ground truth',
   obstacles: 'Obstacles: existence, range; dotted: remembered; line: earlier positions',
+  sounds: 'Sounds: direction, frequency, obstacle',
   mission: 'Mission points and legs',
   oldWays: 'Earlier routes',
   way: 'Route',
@@ -143,6 +144,9 @@ function swatch(name: LayerName, p: Paint): SVGElement {
       break;
     case 'obstacles':
       box(p.obstacleFill, p.obstacle);
+      break;
+    case 'sounds':
+      line(p.sound, 2, '8 5');
       break;
     case 'mission':
       svg.append(element('circle', { cx: 14, cy: 8, r: 6, fill: 'none', stroke: p.mission, 'stroke-width': 2.2 }));

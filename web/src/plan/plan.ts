@@ -18,6 +18,7 @@ import * as moving from './moving_layers';
 import { drawObstacles } from './obstacle_layer';
 import * as tracks from './obstacle_tracks';
 import type { Pen } from './pen';
+import { drawSounds } from './sound_layer';
 import { DepthScale } from './depth_scale';
 
 /** px: a touch within this distance selects an obstacle. */
@@ -144,6 +145,7 @@ export class PlanView implements View, Gestured {
     layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
     layer('bodies', (scene?.bodies.length ?? 0) > 0, () => drawBodies(pen, scene!));
     layer('obstacles', true, () => drawObstacles(pen, model, tracks.tracked(model), this.pointed()));
+    layer('sounds', model.sounds.length > 0, () => drawSounds(pen, model));
     layer('way', model.way !== null, () => moving.drawWay(pen, model));
     if (selected) moving.drawDecision(pen, selected);
     layer('vehicle', true, () => moving.drawVehicle(pen, model));
