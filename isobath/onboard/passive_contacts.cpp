@@ -1,6 +1,12 @@
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/geometry/polygon.hpp>
+#include <isobath/map/occupancy/obstacle_numbers.hpp>
 #include <isobath/onboard/passive_contacts.hpp>
+#include <numeric>
+#include <tuple>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -10,6 +16,38 @@ std::string direction_text(const Eigen::Vector2d& from, const Eigen::Vector2d& t
   const int degrees =
       static_cast<int>(std::lround(Angle::radians(std::atan2(d.y(), d.x())).wrapped_positive().degrees()));
   return fmt::format("{:.0f} m off at {:03d}°", d.norm(), degrees % 360);
+}
+
+/// Obstacles whose outlines are this near to each other are one, for a sound: the scans show a hull in parts, which
+/// have numbers of their own until they grow together. It is the distance within which ObstacleNumbers takes two for
+/// one.
+constexpr double kTouching_m = ObstacleNumbers::kSame_m;
+
+/// Gives touching obstacles one number: that of the obstacle that a sound is attached to, else of the one seen last.
+void join_touching(std::vector<RememberedObstacle>& known, std::span<const Contact> contacts) {
+  std::vector<std::size_t> group(known.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool one =
+          known[i].number == known[j].number || gap_between(known[i].outline_W, known[j].outline_W) <= kTouching_m;
+      if (one && group[i] != group[j]) std::replace(group.begin(), group.end(), group[i], group[j]);
+    }
+  }
+  const auto is_attached = [&](int number) {
+    return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) { return c.obstacle == number; });
+  };
+  std::map<std::size_t, const RememberedObstacle*> first;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const RememberedObstacle*& named = first[group[i]];
+    const auto rank = [&](const RememberedObstacle& o) {
+      return std::tuple(is_attached(o.number), o.last_seen, -o.number);
+    };
+    if (!named || rank(*named) < rank(known[i])) named = &known[i];
+  }
+  std::map<std::size_t, int> numbers;
+  for (const auto& [index, named] : first) numbers[index] = named->number;
+  for (std::size_t i = 0; i < known.size(); ++i) known[i].number = numbers[group[i]];
 }
 
 /// What the newest judgement says, for a decision.
@@ -66,7 +104,9 @@ void PassiveContacts::on_jump(const Eigen::Vector2d& by_W) {
 
 bool PassiveContacts::update(Time now, bool at_the_end) {
   if (!(at_the_end ? tracker_.bearings() > 0 : tracker_.is_due(now))) return false;
-  tracker_.update(now, memory_.known(here_, config_.max_range_m));
+  std::vector<RememberedObstacle> known = memory_.known(here_, config_.max_range_m);
+  join_touching(known, tracker_.contacts());
+  tracker_.update(now, known);
   news_.clear();
   for (const Contact& contact : tracker_.contacts()) {
     std::uint64_t& told = told_[contact.number];

@@ -2,8 +2,9 @@
 //
 // The obstacles are those that the body grid has confirmed, kept in the world by a memory of its own
 // (obstacle_memory.hpp, with the settings of [memory]), because an obstacle that has left the grid still sounds. Their
-// numbers are those of every other output. The memory begins with the first bearing: a run without a passive array
-// keeps none. Frame W, m. One thread: the mapping thread.
+// numbers are those of every other output. Obstacles within 2 m of each other count as one for a sound, because scans
+// show a hull in parts: they get the number that a sound is attached to, else that of the part seen last. The memory
+// begins with the first bearing: a run without a passive array keeps none. Frame W, m. One thread: the mapping thread.
 #pragma once
 
 #include <isobath/map/occupancy/obstacle_memory.hpp>

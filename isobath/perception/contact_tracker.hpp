@@ -45,7 +45,7 @@ struct ContactConfig {
   int min_bearings = 5;
   double bias_share = 0.5;
   double max_range_m = 300;
-  double beyond_m = 4;
+  double beyond_m = 6;
   double prior_none = 0.5;
   double level = 0.95;
   double interval_s = 2;

@@ -608,5 +608,46 @@ TEST(MapDisplay, ShowsTheCellsWithEchoesOfTheSphericalGrid) {
   EXPECT_EQ(state(only(items, Kind::kSphere).payload), state(bytes) | kLocked) << "further echoes change it no more";
 }
 
+// ledger: S4-54
+TEST(Display, ShowsWhereSoundsComeFrom) {
+  DisplayState items;
+  Display display(items);
+  Contact barge;
+  barge.number = 1;
+  barge.frequency_hz = 120.25;
+  barge.p_W = {3, -4};
+  barge.bearing = Angle::degrees(90);
+  barge.sigma = Angle::degrees(2);
+  barge.origin = Contact::Origin::kObstacle;
+  barge.obstacle = barge.likeliest = 7;
+  barge.probability = 0.99;
+  barge.nearest = {3, 20};
+  Contact alone = barge;
+  alone.number = 2;
+  alone.origin = Contact::Origin::kNone;
+  alone.obstacle = 0;
+  alone.none = 0.97;
+  alone.place = SoundPlace{{40, -90}, Eigen::Matrix2d::Identity()};
+  Contact open = barge;
+  open.number = 3;
+  open.origin = Contact::Origin::kUnknown;
+  const std::array contacts{barge, alone, open};
+  display.show(Time(seconds(5.0)), contacts);
+  const json sounds = json::parse(only(items, Kind::kSounds).payload);
+  ASSERT_EQ(sounds.size(), 3U);
+  EXPECT_EQ(sounds[0]["origin"], "obstacle");
+  EXPECT_EQ(sounds[0]["obstacle"], 7);
+  EXPECT_EQ(sounds[0]["frequency_hz"], 120.25);
+  EXPECT_NEAR(sounds[0]["bearing_deg"].get<double>(), 90, 1e-3);
+  EXPECT_EQ(sounds[0]["from"], json({3.0, -4.0}));
+  EXPECT_EQ(sounds[0]["to"], json({3.0, 20.0}));
+  EXPECT_EQ(sounds[1]["origin"], "none");
+  EXPECT_EQ(sounds[1]["probability"], 0.97);
+  EXPECT_EQ(sounds[1]["to"], json({40.0, -90.0})) << "where its bearings cross";
+  EXPECT_FALSE(sounds[1].contains("obstacle"));
+  EXPECT_EQ(sounds[2]["origin"], "unknown");
+  EXPECT_FALSE(sounds[2].contains("to")) << "its place is unknown";
+}
+
 }  // namespace
 }  // namespace isobath

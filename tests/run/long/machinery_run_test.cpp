@@ -15,6 +15,7 @@ using Origin = Contact::Origin;
 Scenario first_leg() {
   Scenario scenario = test::scenario_of("machinery");
   scenario.mission.points.resize(1);
+  scenario.mission.points[0].north_east = {58, 0};  // past the working barge, 91 s
   return scenario;
 }
 
