@@ -18,19 +18,20 @@ using Eigen::Vector2d;
 constexpr double kRadius = 1, kSpacing = 1;
 constexpr int kSides = 12;
 
-int most_points(const std::vector<Polygon>& bodies) {
+int most_points(const std::vector<Polygon>& bodies, double spacing_m) {
   double most = 40;
   for (const Polygon& body : bodies) {
-    for (std::size_t k = 0; k < body.size(); ++k) most += 1 + (body[(k + 1) % body.size()] - body[k]).norm() / kSpacing;
+    for (std::size_t k = 0; k < body.size(); ++k)
+      most += 1 + (body[(k + 1) % body.size()] - body[k]).norm() / spacing_m;
   }
   return static_cast<int>(most);
 }
 
 struct Scene {
-  explicit Scene(std::vector<Polygon> outlines, double half_m)
+  Scene(std::vector<Polygon> outlines, double half_m, double spacing_m = kSpacing)
       : bodies(std::move(outlines)),
         obstacles(test::grown_parts(bodies, kRadius, kSides)),
-        delaunay(most_points(bodies)) {
+        delaunay(most_points(bodies, spacing_m)) {
     const double out = 2 * half_m;
     for (double k = -1; k < 1; k += 0.25) {
       for (const Vector2d& p : {Vector2d(k, -1), Vector2d(1, k), Vector2d(-k, 1), Vector2d(-1, -k)}) {
@@ -41,7 +42,7 @@ struct Scene {
       const Polygon& body = bodies[i];
       for (std::size_t k = 0; k < body.size(); ++k) {
         const Vector2d side = body[(k + 1) % body.size()] - body[k];
-        const double pieces = std::ceil(side.norm() / kSpacing);
+        const double pieces = std::ceil(side.norm() / spacing_m);
         for (double j = 0; j < pieces; ++j) delaunay.insert(body[k] + j / pieces * side, static_cast<int>(i));
       }
     }
@@ -121,7 +122,7 @@ TEST(RoadmapDual, NoArcOfTenThousandScenesMeetsAGrownObstacle) {
   std::size_t arcs = 0;
   for (int i = 0; i < 10'000; ++i) {
     const int count = 2 + static_cast<int>(random.index(3));
-    const Scene scene(test::random_bodies(random, count, 8, 4), 12);
+    const Scene scene(test::random_bodies(random, count, 8, 4), 12, 2);
     const std::size_t every = i % 20 == 0 ? 1 : 16;  // all arcs of one scene in twenty, one arc in 16 of the others
     for (std::size_t k = random.index(every); k < scene.map->arcs().size(); k += every) {
       const auto& arc = scene.map->arcs()[k];
