@@ -61,9 +61,9 @@ std::string traffic_picture(const TrafficRequest& request, int run, int discs, d
 }
 
 std::string traffic_table(const TrafficStudy& study) {
-  std::string text =
-      "method     bodies  m/s  runs  contact               deep                  time    95 %    gap, least m     step "
-      "ms, 99 %\n";
+  std::string text = fmt::format("{:<9}  {:>6}  {:>3}  {:>4}  {:<20}  {:<20}  {:>5}  {:>5}  {:>6} {:>7}  {:>7} {:>7}\n",
+                                 "method", "bodies", "m/s", "runs", "contact", "deep contact", "time", "95 %", "gap, m",
+                                 "least", "step ms", "99 %");
   for (const TrafficRow& row : study.rows) {
     const auto share = [&](int count, const Interval& of) {
       return fmt::format("{:4.1f} % ({:.1f} .. {:.1f})", 100.0 * count / row.runs, 100 * of.low, 100 * of.high);

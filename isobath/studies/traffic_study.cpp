@@ -4,7 +4,6 @@
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/studies/reciprocal_avoidance.hpp>
 #include <isobath/studies/traffic_study.hpp>
-#include <limits>
 #include <memory>
 
 namespace isobath {
@@ -44,7 +43,6 @@ class TrafficRunner {
   void follow_plan(const TrafficScene& scene, TrafficRun& run) {
     const TrafficPlan& plan = planner_->step(own_, scene.now(), seen_);
     if (!plan.reason.empty()) ++run.steps_without_motion;
-    run.least_margin_m = std::min(run.least_margin_m, plan.margin_m);
     own_ = plan.trajectory.at(to_seconds(scene.now() - plan.start) + TrafficScene::kStep_s);
   }
   Vector2d avoid(double share) {
@@ -135,7 +133,6 @@ TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int 
   TrafficScene scene(run, discs, max_speed);
   TrafficRunner runner(request, method);
   TrafficRun result;
-  result.least_margin_m = request.planner.margin_m;
   result.least_gap_m = scene.gap(runner.own().p_W);
   const int steps = static_cast<int>(std::round(TrafficScene::kLimit_s / TrafficScene::kStep_s));
   for (int step = 0; step < steps && !result.arrived; ++step) {

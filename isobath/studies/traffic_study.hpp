@@ -36,7 +36,6 @@ struct TrafficRequest {
   int runs = 500;
   int first_run = 0;
   int threads = 1;
-  int picture_run = 0;  ///< drawn with the most discs at their highest speed
   TrafficConfig planner;
   TrafficVehicle vehicle;
 };
@@ -55,7 +54,6 @@ struct TrafficRun {
   bool arrived = false;
   double least_gap_m = 0;            ///< below 0: contact
   int steps_without_motion = 0;      ///< in which no free motion was found
-  double least_margin_m = 0;         ///< that a plan was searched with
   std::vector<TrafficMoment> track;  ///< if it is asked for
 };
 

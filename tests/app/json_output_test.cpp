@@ -240,6 +240,9 @@ TEST_F(JsonOutput, OfCompareAndOfTheStudies) {
   for (int t = 0; t < 20; ++t) boat += std::to_string(t) + ',' + std::to_string(t) + ",0,a,0,1\n";
   compare("track", {"track", file("boat.csv", boat), "--out", folder_ / "track"});
   EXPECT_THAT(page_.never_came_out("track"), IsEmpty());
+  compare("traffic", {"traffic", "--bodies", "20", "--speed", "1", "--runs", "8", "--planner", "straight", "--out",
+                      folder_ / "traffic"});
+  EXPECT_THAT(page_.never_came_out("traffic"), IsEmpty());
 }
 
 TEST_F(JsonOutput, OfEval) {

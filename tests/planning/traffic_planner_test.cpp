@@ -122,7 +122,7 @@ TEST(TrafficPlanner, SlowsBehindACrosserOrHurriesAheadOfIt) {
     const double grid_s = arrival_on_grid(bodies[0], 1, 0.25, 34, 0.5);
     ASSERT_EQ(plan.action, TrafficAction::kFollow) << from_m;
     EXPECT_GT(plan.arrival_s, grid_s - 0.1) << from_m;
-    EXPECT_LT(plan.arrival_s, grid_s + 1.2) << from_m << ": reward of the search, and its steps of a second";
+    EXPECT_LT(plan.arrival_s, grid_s + 2) << from_m << ": the bound of the search, and its steps of a second";
     EXPECT_GE(least_gap(plan.trajectory, bodies, 0.5, plan.free_s), 0.25) << from_m;
     double crossing_s = 0;
     while (plan.trajectory.at(crossing_s).p_W.x() < 20 && crossing_s < 40) crossing_s += 0.05;
@@ -193,8 +193,8 @@ TEST(TrafficPlanner, KeepsTheMarginWhereSomeMotionDoes) {
     Drive drive = drive_to(scene.goal, 1.5, scene.bodies);
     double least = drive.gap();
     bool there = false;
-    for (int step = 0; step < 80 && !there; ++step) {
-      drive.move(0.5);
+    for (int step = 0; step < 40 && !there; ++step) {
+      drive.move(1);
       EXPECT_EQ(drive.planner.plan().reason, "") << i;
       least = std::min(least, drive.gap());
       there = (drive.own.p_W - scene.goal).norm() < 1.1;
@@ -242,41 +242,45 @@ TEST(TrafficPlanner, MeetsUncertainBodiesMoreRarelyThanDesigned) {
   EXPECT_GT(rate(0), 0.2);
 }
 
-/// Discs on a circle of 20 m about the vehicle that come in, without those of the first `open` places.
-std::vector<MovingBody> closing_ring(int open) {
+/// Discs on a circle of 20 m about the vehicle that come in at 0.6 m/s, but for `open` places about a direction.
+std::vector<MovingBody> closing_ring(int open, double direction) {
   std::vector<MovingBody> ring;
   for (int k = open; k < 24; ++k) {
-    const double angle = (k - 0.5 * (open - 1)) * 2 * pi / 24 + 0.8 * pi;
+    const double angle = (k - 0.5 * (open - 1)) * 2 * pi / 24 + direction;
     const Vector2d out(std::cos(angle), std::sin(angle));
-    ring.push_back(disc(k, 20 * out, -0.3 * out, 3));
+    ring.push_back(disc(k, 20 * out, -0.6 * out, 3));
   }
   return ring;
 }
 
-// ledger: S3-37
+// The gap is not where the goal is: half forward, or abeam. ledger: S3-37
 TEST(TrafficPlanner, LeavesAClosingRingWhileAGapExists) {
-  Drive drive = drive_to({60, 0}, 1.5, closing_ring(4));
-  double least = 9;
-  for (int step = 0; step < 800 && drive.own.p_W.norm() < 30; ++step) {
-    drive.move(0.1);
-    least = std::min(least, drive.gap());
+  for (const double direction : {0.3 * pi, 0.5 * pi}) {
+    Drive drive = drive_to({60, 0}, 1.5, closing_ring(4, direction));
+    double least = drive.gap();
+    for (int step = 0; step < 100 && drive.own.p_W.norm() < 30; ++step) {
+      drive.move(0.5);
+      least = std::min(least, drive.gap());
+    }
+    EXPECT_GE(drive.own.p_W.norm(), 30);
+    EXPECT_GE(least, 0.25);
   }
-  EXPECT_GE(drive.own.p_W.norm(), 30);
-  EXPECT_GE(least, 0.2);
 }
 
 // ledger: S3-37
 TEST(TrafficPlanner, StopsAndReportsInARingWithoutAGap) {
-  Drive drive = drive_to({60, 0}, 1.5, closing_ring(0));
+  Drive drive = drive_to({60, 0}, 1.5, closing_ring(0, 0));
   int step = 0;
-  while (step < 600 && drive.planner.plan().reason.find("no motion") == std::string::npos) {
-    drive.move(0.1);
-    if (drive.planner.plan().reason.empty()) EXPECT_GE(drive.gap(), 0);
+  while (step < 100 && drive.planner.plan().reason.find("no motion") == std::string::npos) {
+    drive.move(0.5);
+    if (drive.planner.plan().reason.empty()) {
+      EXPECT_GE(drive.gap(), 0);
+    }
     ++step;
   }
   EXPECT_EQ(drive.planner.plan().action, TrafficAction::kStop);
   EXPECT_THAT(drive.planner.plan().reason, HasSubstr("comes nearest to body"));
-  for (int more = 0; more < 20; ++more) drive.move(0.1);
+  for (int more = 0; more < 6; ++more) drive.move(0.5);
   EXPECT_LT(drive.own.speed, 0.3);
 }
 

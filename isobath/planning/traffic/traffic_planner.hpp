@@ -11,7 +11,8 @@
 // their velocities. It does not promise a margin from bodies that it does not know or that turn. Times in seconds, m,
 // m/s, frame W (see vehicle_motion.hpp).
 //
-// Cost on one core, by `isobath traffic`: see docs/evaluation.md. No memory is allocated after the first steps. One
+// Cost on one core, 100 bodies of which some 35 are in reach: 0.06 ms a step (median), 4 to 6 ms (99 %), 20 ms
+// (longest); `isobath traffic` measures it. Memory is allocated only while a search is larger than all before. One
 // thread at a time.
 #pragma once
 

@@ -1,8 +1,9 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <isobath/planning/traffic/traffic_search.hpp>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace isobath {
 namespace {
@@ -11,8 +12,9 @@ using std::numbers::pi;
 
 constexpr double kCellSide_m = 0.75, kHeadingCell = 0.13, kSpeedCell = 0.1;
 constexpr std::size_t kSlots = std::size_t{1} << 17;
-constexpr double kHurry = 5;        ///< factor on the reward of depth, once half of the expansions are spent
-constexpr int kMaxFallBacks = 400;  ///< nodes whose escape is tried where the search found no motion
+constexpr double kHurry = 5;    ///< factor on the reward of depth, once half of the expansions are spent
+constexpr int kFallBacks = 30;  ///< nodes of each step whose escape is tried where the search found no motion
+constexpr int kMaxTurnSteps = 11;
 
 /// For a heap with the earliest on top; equal priorities in the order in which they were added.
 constexpr auto later = [](const auto& a, const auto& b) {
@@ -103,13 +105,17 @@ void TrafficSearch::add(const Node& node) {
   std::ranges::push_heap(open_, later);
 }
 
+double TrafficSearch::reachable_speed(double speed, double acceleration) const {
+  // A vehicle that is slower or faster than its range comes back into it.
+  return std::clamp(speed + acceleration * kStep_s, std::min(vehicle_.min_speed, speed),
+                    std::max(vehicle_.max_speed, speed));
+}
+
 void TrafficSearch::expand(int index) {
   const Node from = nodes_[index];
   double last_speed = -1;
   for (const double wish : {vehicle_.acceleration, 0.0, -vehicle_.braking}) {
-    // A vehicle that is slower or faster than its range comes back into it.
-    const double speed = std::clamp(from.state.speed + wish * kStep_s, std::min(vehicle_.min_speed, from.state.speed),
-                                    std::max(vehicle_.max_speed, from.state.speed));
+    const double speed = reachable_speed(from.state.speed, wish);
     if (std::abs(speed - last_speed) < 1e-9) continue;
     last_speed = speed;
     const double acceleration = (speed - from.state.speed) / kStep_s;
@@ -188,47 +194,83 @@ void TrafficSearch::write(int node, Trajectory& motion) const {
   if (motion.segments.empty()) motion.segments.push_back({0, 0, nodes_[node].state, 0, 0});
 }
 
-bool TrafficSearch::finish_at(int index, TrafficSearchResult& result, Trajectory& motion) {
+bool TrafficSearch::try_finish(int index) {
   Node& node = nodes_[index];
-  if (node.direct_meets && node.step < horizon_) return false;
-  DirectMotion direct;
-  const int last = node.step == horizon_ ? horizon_ : free_direct(node, direct);
-  if (last == 0) {
+  if (node.arrival_s >= best_.arrival_s || (node.direct_meets && node.step < horizon_)) return false;
+  Finish finish{index, horizon_, node.arrival_s, 0, {}};
+  if (node.step < horizon_) finish.last = free_direct(node, finish.direct);
+  if (finish.last == 0) {
     node.direct_meets = true;
     return false;
   }
-  const double direct_s = (last - node.step) * kStep_s;
-  const auto curvature = escape(direct_s > 0 ? direct.at(direct_s) : node.state, last);
+  const double direct_s = (finish.last - node.step) * kStep_s;
+  const auto curvature = escape(direct_s > 0 ? finish.direct.at(direct_s) : node.state, finish.last);
   if (!curvature) return false;
-  write(index, motion);
-  if (direct_s > 0) direct.append_to(motion, direct_s);
-  append_escape(*curvature, motion);
-  result.end = SearchEnd::kHorizon;
-  result.arrival_s = node.arrival_s;
-  result.free_s = last * kStep_s;
+  finish.escape_curvature = *curvature;
+  best_ = finish;
   return true;
 }
 
+void TrafficSearch::write_best(TrafficSearchResult& result, Trajectory& motion) const {
+  const Node& node = nodes_[best_.node];
+  write(best_.node, motion);
+  if (best_.last > node.step) best_.direct.append_to(motion, (best_.last - node.step) * kStep_s);
+  append_escape(best_.escape_curvature, motion);
+  result.end = SearchEnd::kHorizon;
+  result.arrival_s = node.arrival_s;
+  result.free_s = best_.last * kStep_s;
+}
+
+int TrafficSearch::roll(int index, double curvature, double wish) {
+  const Node from = nodes_[index];
+  if (from.step >= horizon_) return -1;
+  const double speed = reachable_speed(from.state.speed, wish);
+  Node to{{}, 0, index, from.step + 1, curvature, (speed - from.state.speed) / kStep_s, false};
+  to.state = MotionSegment{0, kStep_s, from.state, curvature, to.acceleration}.after(kStep_s);
+  if (!arc_is_free(from, to)) return -1;
+  to.arrival_s = arrival_of(to.state, to.step);
+  add(to);
+  const int added = static_cast<int>(nodes_.size()) - 1;
+  try_finish(added);
+  return added;
+}
+
+void TrafficSearch::add_turns() {
+  const double speed = nodes_[0].state.speed;
+  for (const double wish : {vehicle_.acceleration, 0.0, -vehicle_.braking}) {
+    if (wish != 0 && reachable_speed(speed, wish) == speed) continue;  // the same as at constant speed
+    for (const double side : {-1.0, 1.0}) {
+      int turned = 0;
+      for (int turn = 0; turn <= kMaxTurnSteps && turned >= 0; ++turn) {
+        for (int ahead = side > 0 && turn == 0 ? -1 : turned; ahead >= 0;) ahead = roll(ahead, 0, wish);
+        turned = roll(turned, side * vehicle_.max_curvature(), wish);
+      }
+    }
+  }
+}
+
 void TrafficSearch::fall_back(TrafficSearchResult& result, Trajectory& motion) {
-  deepest_.clear();
-  for (std::size_t i = 0; i < nodes_.size(); ++i) deepest_.push_back(static_cast<int>(i));
-  const auto deeper = [&](int a, int b) {
+  order_.resize(nodes_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::ranges::sort(order_, [&](int a, int b) {
     if (nodes_[a].step != nodes_[b].step) return nodes_[a].step > nodes_[b].step;
-    if (nodes_[a].arrival_s != nodes_[b].arrival_s) return nodes_[a].arrival_s < nodes_[b].arrival_s;
-    return a < b;
-  };
-  const auto tried = std::min<std::ptrdiff_t>(kMaxFallBacks, std::ssize(deepest_));
-  std::ranges::partial_sort(deepest_, deepest_.begin() + tried, deeper);
-  for (std::ptrdiff_t i = 0; i <= tried; ++i) {
-    const int index = i < tried ? deepest_[i] : 0;  // at last the start: an escape from here
-    const auto curvature = escape(nodes_[index].state, nodes_[index].step);
-    if (!curvature) continue;
-    write(index, motion);
-    append_escape(*curvature, motion);
-    result.end = SearchEnd::kEscape;
-    result.arrival_s = nodes_[index].arrival_s;
-    result.free_s = nodes_[index].step * kStep_s;
-    return;
+    return nodes_[a].arrival_s != nodes_[b].arrival_s ? nodes_[a].arrival_s < nodes_[b].arrival_s : a < b;
+  });
+  // Neighbours in this order have much in common: of each step, nodes at even distances are tried.
+  for (std::size_t first = 0, end = 0; first < order_.size(); first = end) {
+    while (end < order_.size() && nodes_[order_[end]].step == nodes_[order_[first]].step) ++end;
+    const std::size_t stride = (end - first) / kFallBacks + 1;
+    for (std::size_t i = first; i < end; i += stride) {
+      const Node& node = nodes_[order_[i]];
+      const auto curvature = escape(node.state, node.step);
+      if (!curvature) continue;
+      write(order_[i], motion);
+      append_escape(*curvature, motion);
+      result.end = SearchEnd::kEscape;
+      result.arrival_s = node.arrival_s;
+      result.free_s = node.step * kStep_s;
+      return;
+    }
   }
 }
 
@@ -245,15 +287,24 @@ TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const
   TrafficSearchResult result;
   // The table must never fill: each expansion adds at most 15 slots.
   const int bound = std::min(config_.max_expansions, static_cast<int>(kSlots / 16));
-  while (!open_.empty() && result.expansions < bound) {
+  best_ = {0, 0, std::numeric_limits<double>::infinity(), 0, {}};
+  const auto found = [this] { return best_.last > 0; };
+  while (!open_.empty() && result.expansions < (found() ? bound / 2 : bound)) {
     std::ranges::pop_heap(open_, later);
     const int node = open_.back().node;
     open_.pop_back();
-    if (++result.expansions == bound / 2) hurry();
-    if (finish_at(node, result, motion)) return result;
+    if (nodes_[node].arrival_s >= best_.arrival_s) continue;
+    ++result.expansions;
+    if (try_finish(node)) break;
     if (nodes_[node].step < horizon_) expand(node);
+    if (result.expansions == bound / 8) add_turns();
+    if (result.expansions == bound / 2 && !found()) hurry();
   }
-  fall_back(result, motion);
+  if (found()) {
+    write_best(result, motion);
+  } else {
+    fall_back(result, motion);
+  }
   return result;
 }
 

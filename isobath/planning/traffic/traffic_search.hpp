@@ -6,8 +6,11 @@
 // that they lie ahead. A node whose direct motion is free up to the horizon, or to the goal, ends the search, if from
 // its end the vehicle can escape: brake to rest and stay clear for a time, or, where it cannot stop, circle at its
 // minimum speed. Of nodes in the same cell of position, heading, speed and time the first is kept, unless a later one
-// arrives earlier. The number of nodes that are expanded is bounded; if the bound is met, the motion that stays free
-// longest and ends in an escape is taken. No clock is read: the result depends on the input alone.
+// arrives earlier. The number of nodes that are expanded is bounded. After an
+// eighth of them, turns of all angles from the start with straight motions after them are added, which lead round wide
+// bodies; the best motion found so far ends the search after half of the bound. Where there is none, the reward rises,
+// and at the bound the motion that stays free longest and ends in an escape is taken. No clock is read: the result
+// depends on the input alone.
 //
 // Without reward the motion found is the fastest of those that consist of the arcs and one direct motion, up to the
 // merging of cells; a reward of w per second makes it later by at most w times the horizon.
@@ -92,7 +95,20 @@ class TrafficSearch {
   [[nodiscard]] double arrival_of(const MotionState& state, int step) const;
   Slot& slot_of(const Node& node);
   void write(int node, Trajectory& motion) const;
-  bool finish_at(int node, TrafficSearchResult& result, Trajectory& motion);
+  /// A motion that is free up to the horizon or the goal: node, direct motion, escape.
+  struct Finish {
+    int node, last;  ///< last step before the escape; 0: none
+    double arrival_s, escape_curvature;
+    DirectMotion direct;
+  };
+  [[nodiscard]] double reachable_speed(double speed, double acceleration) const;
+  /// Adds one step of a turn or straight on, if it is free; returns its node, or -1.
+  int roll(int node, double curvature, double acceleration);
+  /// Adds, from the start, turns of all angles with straight motions after them, at rising, constant and falling speed.
+  void add_turns();
+  /// Whether a motion through this node is free and earlier than the best so far; keeps it.
+  bool try_finish(int node);
+  void write_best(TrafficSearchResult& result, Trajectory& motion) const;
   void fall_back(TrafficSearchResult& result, Trajectory& motion);
 
   TrafficSearchConfig config_;
@@ -104,7 +120,8 @@ class TrafficSearch {
   std::vector<Node> nodes_;
   std::vector<Open> open_;
   std::vector<Slot> slots_;
-  std::vector<int> deepest_;
+  std::vector<int> order_;
+  Finish best_{};
   std::uint32_t searches_ = 0;
 };
 
