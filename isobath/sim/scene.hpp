@@ -19,9 +19,9 @@
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/dead_reckoning.hpp>
 #include <isobath/sim/fault_config.hpp>
-#include <isobath/sim/hydrophones.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
 #include <isobath/sim/sonar_config.hpp>
+#include <isobath/sim/sound_config.hpp>
 #include <isobath/sim/water.hpp>
 #include <optional>
 #include <string>

@@ -11,6 +11,7 @@
 // by time.
 #pragma once
 
+#include <cstdint>
 #include <Eigen/Core>
 #include <filesystem>
 #include <isobath/base/time.hpp>
