@@ -27,8 +27,8 @@ struct TrackRequest {
   double sigma_m = 0.3;
   double interval_s = 1;
   double within_m = 2;
-  BodyTrackerConfig tracker;
-  MotionFilterConfig motion;
+  BodyTrackerConfig tracker = {.clutter = 1e-6};  ///< a table has few false positions
+  MotionFilterConfig motion = {};
 };
 
 std::vector<Section> sections(TrackRequest& request);

@@ -202,7 +202,7 @@ TEST(NativeLogRecords, PassiveBearing) {
                            "00x6 49 40 00x7 40 00x6 08 C0 ";  // frequency 50, resolution 2, snr -3
   expect_record(stored_event(heard), "/bearing", "isobath/msg/PassiveBearing", hex(head + "00x4"));
   heard.elevation = Angle::radians(0.75);
-  expect_record(stored_event(heard), "/bearing", "isobath/msg/PassiveBearing", hex(head + "01 00x3 00x6 E8 3F"));
+  expect_record(stored_event(heard), "/bearing", "isobath/msg/PassiveBearing", hex(head + "01 00x3 00x4 00x6 E8 3F"));
 }
 
 TEST(NativeLogRecords, TrueMotion) {

@@ -97,7 +97,7 @@ TEST(RoadmapPathFinder, ANarrowGapBetweenManyCornersNeedsFinerShapes) {
   for (std::size_t i = 0; i < walls.size(); ++i) finder.set_obstacle(static_cast<int>(i), walls[i]);
   const auto found = finder.candidates({-30, 0}, {30, 0});
   ASSERT_TRUE(found.has_value());
-  EXPECT_NE(finder.detail(2), ShapeDetail::kEnclosure);
+  EXPECT_TRUE(finder.detail(2) != ShapeDetail::kEnclosure || finder.detail(3) != ShapeDetail::kEnclosure);
   expect_sound(*found, walls, 1);
 }
 

@@ -182,7 +182,8 @@ void BodyTracker::begin(Time time, const Coverage& coverage) {
 }
 
 double BodyTracker::least_existence() const {
-  return std::min(config_.drop, kUseless * config_.unseen / (config_.unseen + config_.clutter));
+  const double seen = kHardlySeen * config_.unseen;
+  return std::min(config_.drop, kUseless * seen / (seen + config_.clutter));
 }
 
 // Of two tracks that have become one body the older stays, and exists if either does.
