@@ -25,9 +25,10 @@ std::string boats() {
   for (int k = 0; k < 400; ++k) {
     const double t = 0.25 * k;
     const int boat = k % 4;
+    const double since = t - 50 + 10 * (boat - 1);  // when it passes the point where the courses cross
     const double course = boat * 120.0 * 3.14159265 / 180, speed = boat < 3 ? 1 : 0;
-    const double north = speed * (t - 50) * std::cos(course) + (boat == 3 ? 30 : 0);
-    const double east = speed * (t - 50) * std::sin(course);
+    const double north = speed * since * std::cos(course) + (boat == 3 ? 30 : 0);
+    const double east = speed * since * std::sin(course);
     text += fmt::format("{:.2f},{:.3f},{:.3f},boat {},{:.1f},{}\n", t, north + 0.3 * random.normal(),
                         east + 0.3 * random.normal(), boat, boat < 3 ? boat * 120.0 : 0.0, speed);
   }
