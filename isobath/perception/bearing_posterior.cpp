@@ -76,7 +76,7 @@ BearingPosterior::Box BearingPosterior::around_the_likely(const Box& box, double
   int low_i = kSide, high_i = -1, low_j = kSide, high_j = -1;
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
-      if (values_[static_cast<std::size_t>(i * kSide + j)] < largest - kLikely) continue;
+      if (values_[i * kSide + j] < largest - kLikely) continue;
       low_i = std::min(low_i, i);
       high_i = std::max(high_i, i);
       low_j = std::min(low_j, j);

@@ -54,7 +54,7 @@ GrownObstacles::GrownObstacles(std::vector<GrownPart> parts) : parts_(std::move(
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       for (int y = row(boxes_[i].min().y()); y <= row(boxes_[i].max().y()); ++y) {
         for (int x = column(boxes_[i].min().x()); x <= column(boxes_[i].max().x()); ++x) {
-          at(static_cast<std::size_t>(y * columns_ + x), static_cast<int>(i));
+          at(y * columns_ + x, static_cast<int>(i));
         }
       }
     }
@@ -106,7 +106,7 @@ int GrownObstacles::blocker(const Vector2d& a, const Vector2d& b) const {
       high = std::min(high, y1 + 1e-6 * cell_);
     }
     for (int y = row(low); y <= row(high); ++y) {
-      const auto cell = static_cast<std::size_t>(y * columns_ + x);
+      const std::size_t cell = y * columns_ + x;
       for (std::size_t k = first_in_cell_[cell]; k < first_in_cell_[cell + 1]; ++k) {
         const auto part = static_cast<std::size_t>(in_cell_[k]);
         if (boxes_[part].intersects(box) && meets(part, a, b)) return in_cell_[k];
@@ -119,7 +119,7 @@ int GrownObstacles::blocker(const Vector2d& a, const Vector2d& b) const {
 std::vector<int> GrownObstacles::covering(const Vector2d& p) const {
   std::vector<int> found;
   if (parts_.empty() || !all_.contains(p)) return found;
-  const auto cell = static_cast<std::size_t>(row(p.y()) * columns_ + column(p.x()));
+  const std::size_t cell = row(p.y()) * columns_ + column(p.x());
   for (std::size_t k = first_in_cell_[cell]; k < first_in_cell_[cell + 1]; ++k) {
     if (meets(static_cast<std::size_t>(in_cell_[k]), p, p)) found.push_back(in_cell_[k]);
   }

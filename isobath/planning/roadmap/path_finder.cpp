@@ -41,7 +41,7 @@ struct Roads {
   std::vector<CostArc> arcs;
   std::vector<std::array<int, 3>> arcs_at;  ///< by node of the map: its arcs, or -1
 
-  Roads(const RoadMap& map) : arcs_at(map.nodes().size(), {-1, -1, -1}) {
+  explicit Roads(const RoadMap& map) : arcs_at(map.nodes().size(), {-1, -1, -1}) {
     arcs.reserve(2 * map.arcs().size() + 32);
     for (std::size_t i = 0; i < map.arcs().size(); ++i) {
       for (const int node : {map.arcs()[i].from, map.arcs()[i].to}) {
