@@ -20,9 +20,9 @@
 // along the longer axis is at most kPlaced of its distance; else it is unknown.
 //
 // At most kLines lines; bearings of further ones are counted. A line of less than `min_bearings` that has been silent
-// for kSilent_s makes room. Frame W, m. Deterministic. One thread. hear() allocates nothing; update() does not allocate
-// after the first calls. Cost of update(): 11 ms a line on one core, at most once in `interval_s`. Sounds that move are
-// not followed.
+// for kSilent_s makes room. Frame W, m. Deterministic. One thread. hear() allocates nothing; update() does. Cost of
+// update(): 11 ms a line on one core, at most once in `interval_s`. Sounds that move are not followed. Two machines at
+// one frequency whose directions differ by less than about 20 degrees become one line.
 #pragma once
 
 #include <cstdint>
