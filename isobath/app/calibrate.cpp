@@ -90,11 +90,7 @@ Action add_calibrate(CLI::App& program) {
   command->add_option("LOG", request.input, "A log, or a folder of frames, with or without marks")
       ->check(reads())
       ->required();
-  command->add_option("--out", request.out, "Folder for the results")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, request.out, "Folder for the results");
   add_json_flag(*command, options->json);
   command
       ->add_option("--background-below", request.background_below,

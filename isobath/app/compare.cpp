@@ -51,11 +51,7 @@ Action add_compare(CLI::App& program) {
   CLI::App* command = program.add_subcommand("compare", "Compare the statistics of two recordings, real or simulated");
   command->add_option("A", request.a, "Log, folder of frames, or scene (.toml)")->check(reads())->required();
   command->add_option("B", request.b, "Log, folder of frames, or scene (.toml)")->check(reads())->required();
-  command->add_option("--out", request.out, "Folder for the results")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, request.out, "Folder for the results");
   add_json_flag(*command, options->json);
   command->add_option("--threads", request.threads, "Number of threads; the results are the same")
       ->check(whole(1, 64))

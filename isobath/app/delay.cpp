@@ -66,11 +66,7 @@ Action add_delay(CLI::App& program) {
   DelayRequest& request = options->request;
   CLI::App* command = program.add_subcommand(
       "delay", "Measure how late the depth map shows a new wall, and how many false obstacles, by base confidence");
-  command->add_option("--out,-o", options->out, "Folder for the picture")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, options->out, "Folder for the picture", "--out,-o");
   add_json_flag(*command, options->json);
   command->add_option("--spurious", request.spurious_share, "Share of false echoes among the readings of empty water")
       ->capture_default_str()

@@ -40,11 +40,7 @@ void read_settings(HelixOptions& options) {
 int fly(HelixOptions& options) {
   read_settings(options);
   if (options.show_settings) {
-    if (options.json) {
-      print_json(settings_json({sections(options.request), {}}, false));
-    } else {
-      fmt::print("{}", write_toml(sections(options.request), true));
-    }
+    print_settings(sections(options.request), options.json);
     return kSuccess;
   }
   check_output_folder(options.out, "--out");
@@ -99,11 +95,7 @@ Action add_helix(CLI::App& program) {
   const HelixRequest& defaults = options->request;
   CLI::App* command = program.add_subcommand(
       "helix", "Approach an opening on a helix and on a straight line; report what a pair of fans sees of it");
-  command->add_option("--out,-o", options->out, "Folder for the results")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, options->out, "Folder for the results", "--out,-o");
   add_json_flag(*command, options->json);
   command->add_flag("--settings", options->show_settings, "Print all settings, explained, and exit")->group("Output");
   const auto approach = [&](const char* name, std::optional<double>& value, const char* text, double unless_given) {

@@ -9,11 +9,7 @@ namespace isobath::app {
 
 void RunOptions::add_to(CLI::App& command, const std::string& out) {
   request.out = out;
-  command.add_option("--out", request.out, "Folder for the results")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(command, request.out, "Folder for the results");
   command.add_option("--map", request.map, "Depth map to continue or to start")
       ->type_name("FOLDER")
       ->check(writes_folder())

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+#include <isobath/app/json_output.hpp>
 #include <isobath/app/settings_json.hpp>
 #include <nlohmann/json.hpp>
 
@@ -33,6 +35,14 @@ ordered_json settings_json(const Schema& settings, bool plain) {
     json[list.name] = ordered_json::array({section_json(list.append({}), plain)});
   }
   return json;
+}
+
+void print_settings(const std::vector<Section>& sections, bool json) {
+  if (json) {
+    print_json(settings_json({sections, {}}, false));
+  } else {
+    fmt::print("{}", write_toml(sections, true));
+  }
 }
 
 }  // namespace isobath::app

@@ -380,11 +380,7 @@ Action add_sphere(CLI::App& program) {
   command->add_option("SCENARIO", options->scene, "Scene (.toml) with prisms, such as scenarios/polygon_room.toml")
       ->check(reads())
       ->required();
-  command->add_option("--out", options->out, "Folder for the pictures")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, options->out, "Folder for the pictures");
   add_json_flag(*command, options->json);
   add_view_options(*command, *options);
   add_survey_options(*command, *options);

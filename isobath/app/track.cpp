@@ -41,8 +41,7 @@ void print_score(const char* name, const TrackScore& score) {
 
 void print_tracks(const TrackStudy& study, const std::filesystem::path& out,
                   const std::vector<std::filesystem::path>& files) {
-  const std::size_t still = static_cast<std::size_t>(
-      std::ranges::count_if(study.courses, [](const TrackCourse& course) { return course.share_still > 0.5; }));
+  const std::size_t still = static_cast<std::size_t>(std::ranges::count_if(study.courses, &TrackCourse::lies_still));
   fmt::print("{} positions: {} tracks, {} of them of bodies that lie still at last\n", study.table.rows.size(),
              study.courses.size(), still);
   for (const auto& [reason, rows] : study.table.left_out) fmt::print("left out {}: {}\n", rows, reason);
@@ -63,11 +62,7 @@ int follow(TrackOptions& options) {
   std::vector<Section> all = sections(request);
   options.config.read_into(all);
   if (options.show_settings) {
-    if (options.json) {
-      print_json(settings_json({sections(request), {}}, false));
-    } else {
-      fmt::print("{}", write_toml(sections(request), true));
-    }
+    print_settings(sections(request), options.json);
     return kSuccess;
   }
   check_output_folder(options.out, "--out");
@@ -107,11 +102,7 @@ Action add_track(CLI::App& program) {
   command->add_option("FILE", options->request.file, "Table of time and position, such as AIS reports (.csv)")
       ->type_name("FILE")
       ->check(reads());
-  command->add_option("--out,-o", options->out, "Folder for the tracks")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, options->out, "Folder for the tracks", "--out,-o");
   add_json_flag(*command, options->json);
   command->add_flag("--settings", options->show_settings, "Print all settings, explained, and exit")->group("Output");
   const auto names = [] {

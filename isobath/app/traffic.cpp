@@ -63,11 +63,7 @@ int run_traffic_study(TrafficOptions& options) {
   std::vector<Section> all = sections(request);
   options.config.read_into(all);
   if (options.show_settings) {
-    if (options.json) {
-      print_json(settings_json({all, {}}, false));
-    } else {
-      fmt::print("{}", write_toml(all, true));
-    }
+    print_settings(all, options.json);
     return kSuccess;
   }
   if (!options.methods.empty()) {
@@ -102,11 +98,7 @@ Action add_traffic(CLI::App& program) {
   request.threads = 2;
   CLI::App* command = program.add_subcommand(
       "traffic", "Cross moving traffic in random scenes; report contacts, time and planning time of each method");
-  command->add_option("--out,-o", options->out, "Folder for the picture")
-      ->type_name("FOLDER")
-      ->check(writes_folder())
-      ->capture_default_str()
-      ->group("Output");
+  add_output_folder(*command, options->out, "Folder for the picture", "--out,-o");
   add_json_flag(*command, options->json);
   command->add_flag("--settings", options->show_settings, "Print all settings, explained, and exit")->group("Output");
   command->add_option("--bodies", request.discs, "Number of moving bodies; may be repeated")

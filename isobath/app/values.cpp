@@ -51,6 +51,15 @@ CLI::Validator writes() { return CLI::Validator(kWrites); }
 CLI::Validator writes_file() { return CLI::Validator(kWritesFile); }
 CLI::Validator writes_folder() { return CLI::Validator(kWritesFolder); }
 
+void add_output_folder(CLI::App& command, std::filesystem::path& out, const std::string& text,
+                       const std::string& names) {
+  command.add_option(names, out, text)
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->capture_default_str()
+      ->group("Output");
+}
+
 CLI::Validator one_of(const std::vector<std::string>& names) {
   const auto check = [names](const std::string& text) {
     if (std::find(names.begin(), names.end(), text) != names.end()) return std::string();

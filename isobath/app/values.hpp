@@ -25,6 +25,10 @@ CLI::Validator such_as(std::function<std::vector<std::string>()> names, bool fil
 CLI::Validator whole(int low, int high);         ///< a whole number
 CLI::Validator number(double low, double high);  ///< infinite: no limit
 
+/// The option for the folder of the results, whose default is the value of `out`.
+void add_output_folder(CLI::App& command, std::filesystem::path& out, const std::string& text,
+                       const std::string& names = "--out");
+
 /// What an option takes, as its validators describe it.
 struct ValueKind {
   enum class Path { kNone, kReads, kReadsFolder, kWrites, kWritesFile, kWritesFolder };

@@ -81,7 +81,7 @@ void DynamicDelaunay::dig(int point) {
   }
 }
 
-/// Of the corners of a gap, the one whose circle through the closing side is empty.
+/// The corner of a gap whose circle through the closing side is empty.
 int DynamicDelaunay::apex(const Gap& gap) const {
   const int p = rim_[index(gap.last)].corner, q = rim_[index(gap.first)].corner;
   int best = kNone;

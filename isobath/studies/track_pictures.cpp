@@ -1,24 +1,20 @@
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/angle.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/io/exports/geojson.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/plot/picture.hpp>
 #include <isobath/studies/track_study.hpp>
-#include <numbers>
 
 namespace isobath {
 namespace {
 
 constexpr int kTrackPlot = 760;  // px
 constexpr Colour kReading{0.45, 0.47, 0.5, 0.35};
-constexpr double kMostlyStill = 0.5;  // probability
-
-bool lies_still(const TrackCourse& course) { return course.share_still > kMostlyStill; }
 
 double course_deg(const Eigen::Vector2d& velocity) {
-  const double deg = std::atan2(velocity.y(), velocity.x()) * 180 / std::numbers::pi;
-  return deg < 0 ? deg + 360 : deg;
+  return Angle::radians(std::atan2(velocity.y(), velocity.x())).wrapped_positive().degrees();
 }
 
 std::string tracks_csv(const TrackStudy& study) {
@@ -44,7 +40,7 @@ std::string tracks_geojson(const TrackStudy& study) {
                           {"to_s", to_seconds(course.times.back())},
                           {"speed", course.velocity_W.norm()},
                           {"course_deg", course_deg(course.velocity_W)},
-                          {"still", lies_still(course)}};
+                          {"still", course.lies_still()}};
     features.push_back(std::move(feature));
   }
   return geojson_text(features, *study.table.origin);
@@ -57,7 +53,7 @@ std::string tracks_picture(const TrackStudy& study) {
   for (const PositionTable::Row& row : study.table.rows) picture.dot(row.p_W, 1, kReading);
   for (const TrackCourse& course : study.courses) {
     picture.polyline(course.p_W, {palette::kTrack, 1.5, false});
-    picture.dot(course.p_W.back(), 3, lies_still(course) ? palette::kHidden : palette::kObstacle);
+    picture.dot(course.p_W.back(), 3, course.lies_still() ? palette::kHidden : palette::kObstacle);
   }
   picture.finish({{kReading, "positions"},
                   {palette::kTrack, "tracks"},

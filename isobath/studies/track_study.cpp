@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/sonar/fan_watch.hpp>
 #include <isobath/studies/nearest_tracker.hpp>
 #include <isobath/studies/track_study.hpp>
 
@@ -81,9 +82,7 @@ class TrackScorer {
       double squares = 0;
       for (const double e : errors_) squares += e * e;
       score_.velocity_rms = std::sqrt(squares / static_cast<double>(errors_.size()));
-      const auto middle = errors_.begin() + static_cast<std::ptrdiff_t>(errors_.size() / 2);
-      std::ranges::nth_element(errors_, middle);
-      score_.velocity_median = *middle;
+      score_.velocity_median = median_of(errors_);
     }
     if (looks_ > 0) score_.false_tracks = static_cast<double>(false_) / static_cast<double>(looks_);
     return score_;
@@ -196,7 +195,6 @@ TrackStudy study_tracks(const TrackRequest& request) {
     note_courses(tracker, row.time, courses);
   }
   for (auto& [number, course] : courses) study.courses.push_back(std::move(course));
-  study.counts = tracker.counts();
   study.score = scorer.score();
   study.nearest = score_nearest(request, study.table);
   return study;

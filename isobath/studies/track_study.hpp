@@ -50,12 +50,13 @@ struct TrackCourse {
   std::vector<Eigen::Vector2d> p_W;
   Eigen::Vector2d velocity_W = Eigen::Vector2d::Zero();  ///< last
   double share_still = 0;                                ///< last
+
+  [[nodiscard]] bool lies_still() const { return share_still > 0.5; }
 };
 
 struct TrackStudy {
   PositionTable table;
   std::vector<TrackCourse> courses;
-  BodyTracker::Counts counts;
   TrackScore score, nearest;  ///< without names: zero
 };
 

@@ -142,7 +142,7 @@ TEST(MotionFilter, MixesByMoments) {
   const std::array<MotionFilter, 2> both = {a, b};
   mixed.mix(both, std::array<double, 2>{0.25, 0.75});
   EXPECT_NEAR(mixed.position().x(), 3, 1e-12);
-  EXPECT_NEAR(mixed.position_covariance()(0, 0), 0.09 + 0.25 * 0.75 * 16, 1e-12);
+  EXPECT_NEAR(mixed.estimate().covariance(0, 0), 0.09 + 0.25 * 0.75 * 16, 1e-12);
   mixed.shift({1, -2});
   EXPECT_NEAR(mixed.position().y(), -2, 1e-12);
 }

@@ -110,8 +110,9 @@ void BodyTracker::weigh(const Coverage& coverage) {
   first_pair_.clear();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const BodyTrack& track = tracks_[i];
-    const Eigen::Vector2d at = track.filter.position();
-    const Eigen::Matrix2d spread = track.filter.position_covariance();
+    const MotionFilter::Estimate estimate = track.filter.estimate();
+    const Eigen::Vector2d at = estimate.mean.head<2>();
+    const Eigen::Matrix2d spread = estimate.covariance.topLeftCorner<2, 2>();
     const double detection = coverage.detection(at);
     detection_.push_back(detection);
     task_.missed.push_back(std::max(1 - track.existence * detection, kLeastMissed));
@@ -186,7 +187,7 @@ double BodyTracker::least_existence() const {
   return std::min(config_.drop, kUseless * seen / (seen + config_.clutter));
 }
 
-// Of two tracks that have become one body the older stays, and exists if either does.
+// Two tracks of one body become one: the older stays, with the probability that either of them exists.
 void BodyTracker::merge() {
   estimates_.clear();
   for (const BodyTrack& track : tracks_) estimates_.push_back(track.filter.estimate());

@@ -232,6 +232,4 @@ Eigen::Vector2d MotionFilter::position() const {
   return p;
 }
 
-Eigen::Matrix2d MotionFilter::position_covariance() const { return estimate().covariance.topLeftCorner<2, 2>(); }
-
 }  // namespace isobath

@@ -11,7 +11,7 @@
 // seems to show, and a body that turns is noticed by its innovations.
 //
 // Time must not run backwards: `advance` by less than zero seconds does nothing. A reading must be finite, with a
-// positive definite covariance. Fixed size, no allocation; one `advance` and one `correct` cost about 2 us.
+// positive definite covariance. Fixed size, no allocation.
 #pragma once
 
 #include <array>
@@ -59,12 +59,10 @@ class MotionFilter {
   /// The frame has moved: a correction of the own position moves what was measured from it.
   void shift(const Eigen::Vector2d& by_W);
 
-  /// Of all motions together.
+  /// The mixture of the estimates of all motions.
   [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] double probability(Motion motion) const { return probability_[motion]; }
   [[nodiscard]] Eigen::Vector2d position() const;
-  /// Of the position, for gates: at least as wide as any motion's.
-  [[nodiscard]] Eigen::Matrix2d position_covariance() const;
 
  private:
   std::array<Estimate, kMotions> motions_;

@@ -89,9 +89,9 @@ class TrafficPlanner {
     Passage passage;
     double contact_s, contact_speed;  ///< of the first contact; infinite, 0: there is none
   };
-  /// Of the sampled motion to a body.
+  /// The closest approach of the sampled motion to a body.
   [[nodiscard]] Approach closest(const MovingBody& body, Time now) const;
-  /// Of a motion from now on: the closest passage, and the first contact.
+  /// The closest passage and the first contact of a motion that starts now.
   [[nodiscard]] Approach worst_of(const Trajectory& motion, Time now) const;
   [[nodiscard]] bool plan_is_free(Time now, double margin_m) const;
   bool search(const MotionState& own, Time now, double margin_m);
