@@ -7,6 +7,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/pending_file.hpp>
+#include <isobath/report/html_report.hpp>
 #include <isobath/studies/traffic_pictures.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
