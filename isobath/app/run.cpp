@@ -86,10 +86,11 @@ void print(const std::vector<Obstacle>& pieces, std::uint64_t scans) {
     if (o.behind || printed == kMaxPrinted) continue;
     ++printed;
     const Obstacle& nearest = *o.nearest;
-    fmt::print("  obstacle {:<3}  {:6.2f} m  bearing {:5.1f} deg  {:<8}  {:5.1f} m across  existence {:.3f}{}{}\n",
+    fmt::print("  obstacle {:<3}  {:6.2f} m  bearing {:5.1f} deg  {:<8}  {:5.1f} m across  existence {:.3f}{}{}{}\n",
                o.number, nearest.range_m, nearest.bearing.wrapped_positive().degrees(), o.kind(), o.extent_m,
                o.existence, nearest.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(nearest.label)),
-               o.possible_multiple ? "  possible multiple echo" : "");
+               o.possible_multiple ? "  possible multiple echo" : "",
+               nearest.moves() ? "  " + motion_text(nearest) : "");
   }
   if (hidden > 0) fmt::print("  {} {} hidden behind nearer ones\n", hidden, hidden == 1 ? "is" : "are");
   if (printed + hidden < obstacles.size()) {
@@ -106,6 +107,9 @@ void print_input(const RunOutcome& outcome) {
   } else {
     fmt::print("received {} ranges and {} swaths in {}\n", n.ranges, n.swaths, span);
   }
+  if (n.moving > 0)
+    fmt::print("{} bod{} found to move; {} echoes of moving bodies went to no map\n", n.moving,
+               n.moving == 1 ? "y was" : "ies were", n.of_moving);
   if (n.vertical > 0) fmt::print("received {} pings of vertical fans, for the voxel map\n", n.vertical);
 }
 

@@ -126,6 +126,11 @@ ordered_json ObstacleDisplay::seen_json(std::size_t index) const {
                     {"hits", o.hits},
                     {"behind", o.behind}};
   if (o.label != WaterLabel::kUnknown) json["label"] = to_text(o.label);
+  if (o.moves()) {
+    json["velocity"] = place_of(o.motion.velocity_W);
+    const Eigen::Matrix2d& c = o.motion.position_covariance;
+    json["covariance_m2"] = {rounded(c(0, 0)), rounded(c(0, 1)), rounded(c(1, 1))};
+  }
   if (const auto id = taken_for(index)) json["of"] = *id;
   return json;
 }

@@ -307,10 +307,10 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
     sonar.noise_sigma *= factor;
   }
   run.conditions += fmt::format("; noise x {:.2f}", factor);
-  if (suite.clutter.density > 0) {
+  if (suite.clutter.density > 0 || suite.clutter.moving > 0) {
     ClutterConfig clutter = suite.clutter;
     clutter.density *= density.uniform(suite.vary.density[0], suite.vary.density[1]);
-    ClutterField field = clutter_field(clutter, field_seed);
+    ClutterField field = clutter_field(clutter, field_seed, scene.about.duration_s);
     run.conditions += fmt::format("; {} bodies", field.bodies.size());
     std::move(field.bodies.begin(), field.bodies.end(), std::back_inserter(scene.bodies));
   }

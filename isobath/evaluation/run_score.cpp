@@ -47,11 +47,6 @@ double path_length(const std::vector<TrueMotion>& track, std::size_t last) {
   return length;
 }
 
-bool near_any(const std::vector<Hazard>& outlines, const Vector2d& p, double within) {
-  return std::any_of(outlines.begin(), outlines.end(),
-                     [&](const Hazard& h) { return (nearest_point(h.outline, p) - p).norm() <= within; });
-}
-
 /// The first verdict on each opening counts, and of several openings the last that has one.
 void judge_openings(const std::vector<Decision>& decisions, RunScore& score) {
   bool judged = false;
@@ -72,7 +67,7 @@ void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& tru
     if (d.agent == "safety officer" && !calms) ++score.safety_actions;
     if (d.what != "replan") continue;
     ++score.replans;
-    if (d.obstacle && !near_any(truth.outlines(), *d.obstacle, near_m)) ++score.false_replans;
+    if (d.obstacle && !truth.is_near_body(*d.obstacle, to_seconds(d.time), near_m)) ++score.false_replans;
   }
 }
 
@@ -99,10 +94,24 @@ RunTruth::RunTruth(const Suite& suite, const SuiteRun& run) {
     low = std::max(low, p.depth_m);
   }
   for (const WorldBody& body : simulator.world().bodies()) {
+    if (body.moves) {  // the planner with full truth plans among what lies still
+      moving_.push_back({*body.body, body.plan});
+      continue;
+    }
     if (body.box.max().z() < high - reach || body.box.min().z() > low + reach) continue;
     for (const Polygon& part : body.plan) outlines_.push_back({part, 0, HazardKind::kCharted, 0});
   }
   plan(suite, run);
+}
+
+bool RunTruth::is_near_body(const Vector2d& p_W, double time_s, double within_m) const {
+  const auto is_near = [&](const Polygon& outline, const Vector2d& p) { return distance_from(outline, p) <= within_m; };
+  if (std::any_of(outlines_.begin(), outlines_.end(), [&](const Hazard& h) { return is_near(h.outline, p_W); }))
+    return true;
+  return std::any_of(moving_.begin(), moving_.end(), [&](const Moving& m) {
+    const Vector2d p = p_W - displacement(m.body, time_s).head<2>();
+    return std::any_of(m.plan.begin(), m.plan.end(), [&](const Polygon& outline) { return is_near(outline, p); });
+  });
 }
 
 void RunTruth::plan(const Suite& suite, const SuiteRun& run) {

@@ -67,7 +67,10 @@ class RunTruth {
 
   [[nodiscard]] const VehicleParameters& vehicle() const { return vehicle_; }
   [[nodiscard]] double hull_length() const { return hull_length_; }
+  /// Of the bodies that lie still.
   [[nodiscard]] const std::vector<Hazard>& outlines() const { return outlines_; }
+  /// Whether a body, at this time of the run, lies within a distance of a place, m in W.
+  [[nodiscard]] bool is_near_body(const Eigen::Vector2d& p_W, double time_s, double within_m) const;
   /// The route of the planner with full truth; empty if it finds none.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& way() const { return way_; }
   [[nodiscard]] double way_m() const { return way_m_; }
@@ -79,6 +82,11 @@ class RunTruth {
   VehicleParameters vehicle_;
   double hull_length_ = 0;
   std::vector<Hazard> outlines_;
+  struct Moving {
+    Body body;
+    std::vector<Polygon> plan;  ///< at the first position
+  };
+  std::vector<Moving> moving_;
   std::vector<Eigen::Vector2d> way_;
   double way_m_ = 0;
   std::string no_way_;

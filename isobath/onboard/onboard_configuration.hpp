@@ -9,6 +9,7 @@
 #include <isobath/mission/safety/safety_config.hpp>
 #include <isobath/onboard/corner_navigation.hpp>
 #include <isobath/onboard/event_gate.hpp>
+#include <isobath/onboard/moving_bodies.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
 #include <isobath/onboard/scan_steering.hpp>
 #include <isobath/perception/contact_tracker.hpp>
@@ -49,6 +50,7 @@ struct OnboardConfiguration : WorldConfiguration {
   ScanSteeringConfig scan;
   CornerNavigationConfig corner_fix;
   ContactConfig contacts;
+  MovingBodiesConfig bodies;
   MissionConfig mission;
   SafetyConfig safety;
   ExecutorConfig executor;

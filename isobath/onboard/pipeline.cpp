@@ -64,6 +64,18 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
 constexpr const char* kNoBearing = "passive bearing without any navigation: no position";
 constexpr const char* kNoPlace = "range or sounding without any navigation: no position in the depth map";
 
+/// Joins the moving bodies to the still obstacles of a scan, nearest first.
+void add_moving(std::vector<Obstacle>& obstacles, std::vector<Obstacle> moving) {
+  int last = 0;
+  for (const Obstacle& o : obstacles) last = std::max(last, o.number);
+  for (Obstacle& o : moving) {
+    o.number = ++last;
+    obstacles.push_back(std::move(o));
+  }
+  const auto nearer = [](const Obstacle& a, const Obstacle& b) { return a.range_m < b.range_m; };
+  std::stable_sort(obstacles.begin(), obstacles.end(), nearer);
+}
+
 bool grid_fits(const BodyGridConfig& grid, double reach_m) {
   const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
   return reach_m <= half && reach_m > half / 4;
@@ -88,6 +100,7 @@ Pipeline::Pipeline(const OnboardConfiguration& configuration, ResultSink& sink, 
       sounder_echoes_(for_sounder(configuration, models_, ratios_), models_.sensor, ratios_),
       soundings_(configuration.map.sounding_band_m),
       sweeps_(configuration.map.fan_scan_s),
+      bodies_(configuration.bodies),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMaxWaiting);
 }
@@ -135,6 +148,7 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   const WaterColumn water = water_at(ping, X_WB, posed);  // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                // intensities -> decisions
   enter(Stage::kPlane);
+  if (posed) take_bodies(ping, X_WB);  // echoes of bodies that move -> tracks
   const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks()};
   update_grid(posed_ping.look_ping(), posed_ping.look_decisions(), X_WB, posed);
   sink_.on_ping(posed_ping);
@@ -143,6 +157,15 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   counts_.no_bottom += water.above_bottom_m ? 0 : 1;
   counts_.dead_reckoned += motion_is_measured(posed) ? 0 : 1;
   note_mapped(ping, X_WB, posed, water);  // at the end of a scan: body grid -> obstacles
+}
+
+/// Tracks the bodies, and takes the echoes of those that move out of the decisions, so that no map keeps them.
+void Pipeline::take_bodies(const Ping& ping, const Pose& X_WB) {
+  FanLooks* looks = echoes_.looks();
+  bodies_.look(looks ? looks->ping : ping, looks ? looks->decisions : decisions_, X_WB);
+  counts_.of_moving += bodies_.withhold(ping, X_WB, decisions_);
+  counts_.moving = bodies_.found();
+  if (looks) bodies_.withhold(looks->ping, X_WB, looks->decisions);
 }
 
 void Pipeline::map_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
@@ -189,8 +212,10 @@ WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) c
 
 void Pipeline::end_scan() {
   enter(Stage::kObstacles);
+  bodies_.clear_trails(mapper_->grid(), last_->time, last_->from.X_WB);
   Detection found = detector_.detect(mapper_->grid(), last_->time, last_->from.X_WB);
-  numbers_.keep(found.obstacles, level(found.X_WB));  // each obstacle keeps its number
+  add_moving(found.obstacles, bodies_.obstacles(found.time, found.X_WB));
+  numbers_.keep(found.obstacles, level(found.X_WB), found.time);  // each obstacle keeps its number
   label_obstacles(found.obstacles, last_->from, sink_.heights());
   sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
   sweep_open_ = false;
@@ -208,6 +233,7 @@ void Pipeline::restart() {
   poses_.clear();
   bottom_ = {};
   numbers_.forget();
+  bodies_.restart();
   last_.reset();
   mapper_.reset();
 }
@@ -230,6 +256,7 @@ void Pipeline::follow(const Eigen::Vector3d& jump) {
   jumped_ += jump;
   if (last_ && last_->posed) last_->from.X_WB.translation += jump;
   numbers_.move(jump.head<2>());
+  bodies_.shift(jump.head<2>());
   alarms_.jumped(jump);
   sink_.on_jump(jump);
 }

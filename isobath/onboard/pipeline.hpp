@@ -1,8 +1,9 @@
 // Pipeline: handles an event from the gate to the list of obstacles. Live runs, replay and simulation use the same
 // code; only the source and the sink differ.
 //
-//   alarms -> gate -> pose at the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
-//   obstacles, once per scan; ranges and soundings to the depth map; soundings in the water to the body grid, too
+//   alarms -> gate -> pose at the transmit time -> echoes to decisions -> decisions to tracks of bodies; those of still
+//   water to the body grid -> grid and moving bodies to obstacles, once per scan; ranges and soundings to the depth
+//   map; soundings in the water to the body grid, too
 //
 // A vertical fan that looks straight down (an echo sounder) receives the bottom at the same ranges in every ping. If
 // the detection method is left open (echoes.method auto, no model), noise learnt from the pings would be the bottom
@@ -12,6 +13,9 @@
 // Depth and altitude tell which echoes come from the bottom or the surface (S6-69). The altitude comes from the last
 // sensor that looked down, else from the depth map. If neither knows it, bottom echoes count like any others, and the
 // pings are counted.
+//
+// Maps take the world for still. The echoes of a body that moves (moving_bodies.hpp) go to its track and to no map; the
+// obstacles of a scan are those of the grid and the bodies that move, with their velocities.
 //
 // A fix that corrects the position at once (PoseBuffer: a jump) does not change the distance from vehicle to obstacle.
 // The body grid therefore does not move with the jump, and on_jump lets other maps of the surroundings in W move along
@@ -29,6 +33,7 @@
 #include <isobath/onboard/altitude_estimator.hpp>
 #include <isobath/onboard/emergency_alarms.hpp>
 #include <isobath/onboard/event_gate.hpp>
+#include <isobath/onboard/moving_bodies.hpp>
 #include <isobath/onboard/onboard_configuration.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
@@ -61,6 +66,8 @@ struct PipelineCounts {
   std::uint64_t blind = 0;          ///< dim bins in which a target would be hidden: they carry no information
   std::uint64_t dead_reckoned = 0;  ///< pings whose motion was known only from a model of the thruster (S6-22)
   std::uint64_t no_bottom = 0;      ///< pings with unknown altitude
+  std::uint64_t moving = 0;         ///< bodies that were found to move
+  std::uint64_t of_moving = 0;      ///< echoes of these, which went to no map
   std::uint64_t jumps = 0;          ///< jumps of the position from one fix to the next
   double farthest_jump_m = 0;
 };
@@ -104,6 +111,7 @@ class Pipeline {
   [[nodiscard]] std::optional<FanDeparture> departure() const { return echoes_.departure(); }
   /// Standard deviation of the position in the plane, as the newest fix states it, m; 0: not stated.
   [[nodiscard]] double position_sigma_m() const { return poses_.sigma_m(); }
+  [[nodiscard]] const MovingBodies& bodies() const { return bodies_; }
   /// The grid; empty before the first ping.
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
@@ -128,6 +136,7 @@ class Pipeline {
   [[nodiscard]] bool motion_is_measured(bool posed) const { return !posed || poses_.knows_its_motion(); }
   void update_grid(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, bool posed);
   void note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const WaterColumn& water);
+  void take_bodies(const Ping& ping, const Pose& X_WB);
   void count(const EchoDecisions& decisions);
   [[nodiscard]] WaterColumn water_at(const Ping& ping, const Pose& X_WB, bool posed) const;
   void end_scan();
@@ -150,6 +159,7 @@ class Pipeline {
   EchoDecisions decisions_;
   SoundingFan soundings_;
   SweepSegmenter sweeps_;
+  MovingBodies bodies_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
   ObstacleNumbers numbers_;

@@ -60,6 +60,19 @@ const WholeObstacle& of_number(const std::vector<WholeObstacle>& whole, int numb
   return *std::find_if(whole.begin(), whole.end(), [number](const WholeObstacle& w) { return w.number == number; });
 }
 
+double course_deg(const ObstacleMotion& motion) {
+  return Angle::radians(std::atan2(motion.velocity_W.y(), motion.velocity_W.x())).wrapped_positive().degrees();
+}
+
+/// Velocity and its uncertainty; course clockwise from north.
+ordered_json motion_json(const ObstacleMotion& motion) {
+  const Eigen::Matrix2d& c = motion.velocity_covariance;
+  return {{"track", motion.track},
+          {"speed_m_s", tidy(motion.velocity_W.norm())},
+          {"course_deg", tidy(course_deg(motion))},
+          {"velocity_covariance", {tidy(c(0, 0)), tidy(c(0, 1)), tidy(c(1, 1))}}};
+}
+
 }  // namespace
 
 std::string date_text(Time first, Time last) {
@@ -91,6 +104,7 @@ ordered_json obstacle_list(const std::vector<Obstacle>& obstacles) {
                     {"covariance_m2", {tidy(o.covariance(0, 0)), tidy(o.covariance(0, 1)), tidy(o.covariance(1, 1))}},
                     {"echoes", o.hits},
                     {"last_echo", to_text(o.last_hit)}});
+    if (o.moves()) list.back()["motion"] = motion_json(o.motion);
   }
   return list;
 }
@@ -125,9 +139,19 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
                           {"behind", o.behind},
                           {"possible_multiple", o.possible_multiple},
                           {"label", to_text(o.label)}};
+    if (o.moves()) {
+      feature.properties.emplace_back("speed_m_s", tidy(o.motion.velocity_W.norm()));
+      feature.properties.emplace_back("course_deg", tidy(course_deg(o.motion)));
+    }
     features.push_back(std::move(feature));
   }
   return geojson_text(features, origin);
+}
+
+std::string motion_text(const Obstacle& obstacle) {
+  if (!obstacle.moves()) return "";
+  const ObstacleMotion& motion = obstacle.motion;
+  return fmt::format("moves at {:.2f} m/s towards {:03.0f} deg", motion.velocity_W.norm(), course_deg(motion));
 }
 
 std::string notes_on(const WholeObstacle& o) {
@@ -135,6 +159,7 @@ std::string notes_on(const WholeObstacle& o) {
   if (o.behind) text = "behind a nearer obstacle";
   const auto add = [&](const char* note) { text += std::string(text.empty() ? "" : "; ") + note; };
   if (o.possible_multiple) add("possible multiple echo");
+  if (const std::string moving = motion_text(*o.nearest); !moving.empty()) add(moving.c_str());
   const WaterLabel label = o.nearest->label;
   if (label == WaterLabel::kStanding) add("stands in the water");
   if (label == WaterLabel::kBottom) add("bottom");
@@ -146,6 +171,8 @@ ordered_json counts_json(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   return {{"pings", n.pings},
           {"pings_without_pose", n.unposed},
+          {"moving_bodies", n.moving},
+          {"echoes_of_moving_bodies", n.of_moving},
           {"pings_without_altitude", n.no_bottom},
           {"pings_dead_reckoned", n.dead_reckoned},
           {"navigation", n.navigation},

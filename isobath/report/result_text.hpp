@@ -35,6 +35,8 @@ std::string scans_json(std::span<const ScanRecord> scans);
 /// RFC 7946: one polygon per obstacle, in longitude and latitude.
 /// "behind a nearer obstacle; bottom": what a table of obstacles says beside the numbers.
 std::string notes_on(const WholeObstacle& obstacle);
+/// "moves at 1.50 m/s towards 090 deg"; empty where it is not known to move.
+std::string motion_text(const Obstacle& obstacle);
 std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
 /// Counts of a run by kind; rejected data by reason; alarms.
 nlohmann::ordered_json counts_json(const RunOutcome& outcome);

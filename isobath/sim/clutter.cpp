@@ -123,6 +123,39 @@ void check_clutter(const ClutterConfig& c) {
   if (c.bottom_m <= c.top_m) refuse("bottom_m", "does not lie below top_m", "more than top_m");
 }
 
+/// A disc that reflects at the sides of the field.
+Body moving_disc(Random random, const ClutterConfig& c, int number, double duration_s) {
+  Vector2d at;
+  do {
+    at = {draw_cm(random, 0, c.length_m), draw_cm(random, -c.breadth_m / 2, c.breadth_m / 2)};
+  } while (at.norm() < c.free_m);
+  const Angle course = Angle::degrees(static_cast<int>(random.index(360)));
+  Vector2d velocity = whole_cm(random.uniform(0, c.moving_speed)) * Vector2d(cos(course), sin(course));
+  const double depth = (c.top_m + c.bottom_m) / 2;
+  const Vector2d low(0, -c.breadth_m / 2), high(c.length_m, c.breadth_m / 2);
+  Body body;
+  body.name = fmt::format("moving {}", number);
+  body.shape = Cylinder{.centre = {at.x(), at.y(), depth}, .radius = c.moving_radius_m, .length = c.bottom_m - c.top_m};
+  body.path = {0, at.x(), at.y(), depth};
+  for (double t = 0; t < duration_s;) {
+    double leg = duration_s - t;
+    int side = -1;
+    for (int i = 0; i < 2; ++i) {
+      if (std::abs(velocity[i]) < 1e-9) continue;
+      const double until = ((velocity[i] > 0 ? high[i] : low[i]) - at[i]) / velocity[i];
+      if (until < leg) {
+        leg = std::max(until, 0.0);
+        side = i;
+      }
+    }
+    at += leg * velocity;
+    t += leg;
+    if (leg > 0) body.path.insert(body.path.end(), {t, at.x(), at.y(), depth});
+    if (side >= 0) velocity[side] = -velocity[side];
+  }
+  return body;
+}
+
 Body basin_wall(const ClutterConfig& c) {
   // Sonar sees the inside: walls along the field's sides, and behind start and goal.
   const double side = c.breadth_m / 2, south = -c.free_m, north = c.length_m + c.free_m;
@@ -152,13 +185,16 @@ std::vector<Field> fields(ClutterConfig& c) {
                       "Share of boxes, 2 to 7 m; the rest are walls, 6 to 16 m by 0.4 m."),
           Field::real("top_m", &c.top_m, {-100, 12000}, "m", "Depth of their tops."),
           Field::real("bottom_m", &c.bottom_m, {-100, 12000}, "m", "Depth of their feet."),
-          Field::flag("basin", &c.basin, "Whether vertical walls surround the field.")};
+          Field::flag("basin", &c.basin, "Whether vertical walls surround the field."),
+          Field::integer("moving", &c.moving, {0, 1000}, "1", "Number of bodies that move."),
+          Field::real("moving_speed", &c.moving_speed, {0, 10}, "m/s", "Their greatest speed."),
+          Field::real("moving_radius_m", &c.moving_radius_m, {0.05, 20}, "m", "Their radius.")};
 }
 
-ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed) {
+ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed, double duration_s) {
   check_clutter(c);
   ClutterField field;
-  if (c.density <= 0) return field;
+  if (c.density <= 0 && c.moving <= 0) return field;
   Random random(seed);
   Random way = random.fork();
   if (c.passage_m > 0) field.passage = passage_of(way, c);
@@ -184,6 +220,7 @@ ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed) {
       break;
     }
   }
+  for (int i = 0; i < c.moving; ++i) field.bodies.push_back(moving_disc(random.fork(), c, i + 1, duration_s));
   if (c.basin) field.bodies.push_back(basin_wall(c));
   return field;
 }

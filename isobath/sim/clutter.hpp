@@ -10,6 +10,10 @@
 //
 // Walls are slabs: an infinitely thin sheet seen edge-on would return no echo.
 //
+// Traffic: `moving` upright discs of radius `moving_radius_m`, each with a constant speed of up to `moving_speed` in any
+// direction. They go through each other and through the still bodies, turn back at the sides of the field, and do not
+// react to the vehicle. At the start all keep `free_m` away from it. Times are those of the scene.
+//
 // The field is a function of configuration and seed. All lengths are whole centimetres and all headings whole degrees,
 // so the last digit of a sine does not matter and the field is the same on every machine. Bodies may overlap. A body
 // that finds no free place in 200 tries is left out, so dense fields hold fewer bodies than requested.
@@ -33,6 +37,9 @@ struct ClutterConfig {
   double box_share = 0.3;  ///< the rest are walls
   double top_m = 0, bottom_m = 30;
   bool basin = false;
+  int moving = 0;
+  double moving_speed = 0.5;
+  double moving_radius_m = 0.5;
 };
 std::vector<Field> fields(ClutterConfig& config);
 
@@ -42,6 +49,7 @@ struct ClutterField {
 };
 
 /// Throws Error if the field has no room: 2 free_m must be below length_m, and passage_m at most breadth_m.
-ClutterField clutter_field(const ClutterConfig& config, std::uint64_t seed);
+/// `duration_s`: time for which the moving bodies have a path.
+ClutterField clutter_field(const ClutterConfig& config, std::uint64_t seed, double duration_s = 0);
 
 }  // namespace isobath

@@ -114,6 +114,7 @@ class EchoDetector {
   /// The looks at resolution cells of the last ping, which maps use instead of the samples, if the ping was decided by
   /// cells. Null: each sample is a look of its own.
   [[nodiscard]] const FanLooks* looks() const { return by_cells_ ? &looks_ : nullptr; }
+  [[nodiscard]] FanLooks* looks() { return by_cells_ ? &looks_ : nullptr; }
   /// Departure of the pings from the fan model; empty: no model, or no ping was decided by it.
   [[nodiscard]] std::optional<FanDeparture> departure() const { return fan_detector_.departure(); }
   /// State at the last ping.

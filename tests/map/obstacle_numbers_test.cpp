@@ -96,6 +96,22 @@ TEST(ObstacleNumbers, MoveWithAJumpOfThePosition) {
   EXPECT_EQ(after.seen_by(numbers, at(jump.x(), jump.y())), (Numbers{1, 2}));
 }
 
+// A head that takes 8 s for a turn sees a body that moves 12 m farther each time.
+TEST(ObstacleNumbers, GoWithABodyWhoseVelocityIsKnown) {
+  ObstacleNumbers numbers;
+  for (int i = 0; i < 5; ++i) {
+    std::vector<Obstacle> pieces(2);
+    pieces[0].outline = box_at({20, -20 + 12.0 * i}, 1, 1);
+    pieces[0].motion = {.velocity_W = {0, 1.5}, .track = 7};
+    pieces[0].number = 1;
+    pieces[1].outline = box_at({30, 0}, 1, 1);
+    pieces[1].number = 2;
+    numbers.keep(pieces, Pose{}, Time(seconds(8 * i)));
+    EXPECT_EQ(pieces[0].number, 1) << i;
+    EXPECT_EQ(pieces[1].number, 2) << i;
+  }
+}
+
 TEST(ObstacleNumbers, AreNeverGivenTwice) {
   ObstacleNumbers numbers;
   std::set<int> given;

@@ -24,6 +24,7 @@ class FlsDetectorTest : public testing::Test {
       map->obstacles.push_back(obstacle(outline, existence));
       map->obstacles.back().possible_multiple = doubtful;
       map->obstacles.back().behind = doubtful;
+      map->obstacles.back().motion = motion;
       map->obstacles.back().number = first_number + static_cast<int>(map->obstacles.size()) - 1;
     }
     return script.hear(Sweep{static_cast<int>(s), true, 0.1, map}, s);
@@ -41,7 +42,8 @@ class FlsDetectorTest : public testing::Test {
 
   FlsDetector agent;
   Script script;
-  int first_number = 1;  ///< of the obstacles of a sweep
+  int first_number = 1;   ///< of the obstacles of a sweep
+  ObstacleMotion motion;  ///< of the obstacles of a sweep
 };
 
 TEST_F(FlsDetectorTest, HazardsCarryTheNumberOfTheObstacleThatTheyAreAPieceOf) {
@@ -56,6 +58,21 @@ TEST_F(FlsDetectorTest, HazardsCarryTheNumberOfTheObstacleThatTheyAreAPieceOf) {
   EXPECT_EQ(scans[0].hazards[1].obstacle, 6);
   ASSERT_EQ(scans[0].known->obstacles.size(), 2u);
   EXPECT_EQ(scans[0].known->obstacles[1].number, 6);
+}
+
+// ledger: S3-21
+TEST_F(FlsDetectorTest, CountsAMovingBodyWithTheWaterThatItIsAboutToCrossAndRemembersItNowhere) {
+  motion = {.velocity_W = {0, 1}, .track = 3};  // towards the east, which is ahead
+  for (double s = 1; s <= 3; ++s) {
+    const auto scans = only<ObstacleScan>(sweep(s, pose(0, 0, 90), {square(15, 3, 1)}, 0.99));
+    ASSERT_EQ(scans.size(), 1u);
+    ASSERT_EQ(scans[0].hazards.size(), 1u);
+    const Polygon& outline = scans[0].hazards[0].outline;
+    EXPECT_TRUE(contains(outline, Vector2d(15, 3)));
+    EXPECT_TRUE(contains(outline, Vector2d(19.9, 3))) << "5 s ahead";
+    EXPECT_FALSE(contains(outline, Vector2d(13, 3))) << "behind it the water is free";
+    EXPECT_TRUE(scans[0].known->obstacles.empty());
+  }
 }
 
 // ledger: S6-38

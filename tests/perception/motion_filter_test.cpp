@@ -22,7 +22,7 @@ MotionFilter follow(Random& random, const Path& path, int count) {
   MotionFilter filter(kMotion, with_noise(random, path(0)), kNoise);
   for (int k = 1; k < count; ++k) {
     filter.advance(kMotion, 1);
-    filter.correct(with_noise(random, path(k)), kNoise);
+    filter.correct({with_noise(random, path(k)), kNoise});
   }
   return filter;
 }
@@ -47,6 +47,22 @@ TEST(MotionFilter, KnowsAVelocityAfterTenReadings) {
   const double line = 0.3 * std::sqrt(12.0 / (10 * 99));
   EXPECT_LT(on_each_axis, 0.1);
   EXPECT_GT(on_each_axis, 0.8 * line);
+}
+
+// A head that turns gives readings of one body at uneven times; a filter that takes them all for the time of the look
+// is off by what the body moves in the meantime.
+// ledger: S3-15
+TEST(MotionFilter, TakesAReadingForTheTimeAtWhichItWasMade) {
+  Random random(3);
+  const Vector2d v(1.2, -0.5);
+  MotionFilter filter(kMotion, with_noise(random, {0, 0}), kNoise);
+  for (int k = 1; k <= 30; ++k) {
+    const double age = random.uniform(0, 2);
+    filter.advance(kMotion, 2);
+    filter.correct({with_noise(random, (2 * k - age) * v), kNoise, age});
+  }
+  EXPECT_LT((filter.position() - 60 * v).norm(), 0.4);
+  EXPECT_LT(velocity_error(filter, v), 0.08);
 }
 
 // ledger: S3-15
@@ -85,7 +101,7 @@ TEST(MotionFilter, NoticesAManoeuvre) {
     bool within = false;
     for (int k = 1; k <= 45; ++k) {
       filter.advance(kMotion, 1);
-      filter.correct(with_noise(random, path(k)), kNoise);
+      filter.correct({with_noise(random, path(k)), kNoise});
       const double p = filter.probability(MotionFilter::kManoeuvre);
       if (k == 30) before = p;
       within = within || (k > 30 && k <= 38 && p > 0.5);

@@ -165,6 +165,8 @@ export interface Piece {
   seen: number | undefined;
   /** Earlier positions of its centre, oldest first. */
   trail: Point[];
+  /** m/s north and east, of a body that is known to move. */
+  velocity: Point | undefined;
 }
 export interface Obstacles {
   obstacles: Obstacle[];
@@ -204,6 +206,7 @@ function readPiece(v: unknown): Piece | undefined {
     since: number(v.since_s),
     seen: number(v.seen_s),
     trail: points(v.trail),
+    velocity: point(v.velocity),
   };
 }
 

@@ -23,6 +23,14 @@ inline const char* to_text(WaterLabel label) {
   return "unknown";
 }
 
+/// How an obstacle moves, as a tracker knows it at the obstacle's detection; axes of W (north, east), m, s.
+struct ObstacleMotion {
+  Eigen::Vector2d velocity_W = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d position_covariance = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();
+  std::uint32_t track = 0;  ///< number of the track; 0: it is not known to move
+};
+
 struct Obstacle {
   Polygon outline;                 ///< convex, corners in the positive sense from x to y
   Eigen::Vector2d nearest;         ///< point of the outline nearest to the vehicle
@@ -39,6 +47,9 @@ struct Obstacle {
   /// From 1. The convex pieces of one connected obstacle share its number, and keep it from scan to scan
   /// (obstacle_numbers.hpp). A detector alone numbers the obstacles of each scan afresh, nearest first.
   int number = 0;
+  ObstacleMotion motion;
+
+  [[nodiscard]] bool moves() const { return motion.track != 0; }
 };
 
 /// The outline of an obstacle in W (north, east), which was detected at X_WB.

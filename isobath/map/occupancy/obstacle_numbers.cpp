@@ -52,6 +52,7 @@ std::vector<ObstacleNumbers::Region> ObstacleNumbers::regions_of(std::span<const
     auto region =
         std::find_if(regions.begin(), regions.end(), [&](const Region& r) { return r.number_in_scan == o.number; });
     if (region == regions.end()) region = regions.insert(regions.end(), Region{o.number, {}, 0});
+    region->place.velocity_W = o.motion.velocity_W;
     Polygon& outline = region->place.outlines_W.emplace_back();
     for (const Vector2d& p : o.outline) {
       outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
@@ -82,13 +83,13 @@ void ObstacleNumbers::match(std::vector<Region>& regions) {
   }
 }
 
-void ObstacleNumbers::remember(Region& region) {
+void ObstacleNumbers::remember(Region& region, Time time) {
   const auto known = std::lower_bound(known_.begin(), known_.end(), region.number,
                                       [](const Known& k, int number) { return k.number < number; });
   if (known == known_.end() || known->number != region.number) {
-    known_.insert(known, {region.number, std::move(region.place), scan_});
+    known_.insert(known, {region.number, std::move(region.place), scan_, time});
   } else {
-    *known = {region.number, std::move(region.place), scan_};
+    *known = {region.number, std::move(region.place), scan_, time};
   }
 }
 
@@ -100,8 +101,12 @@ void ObstacleNumbers::drop_the_oldest() {
   }
 }
 
-void ObstacleNumbers::keep(std::span<Obstacle> pieces, const Pose& X_WL) {
+void ObstacleNumbers::keep(std::span<Obstacle> pieces, const Pose& X_WL, Time time) {
   ++scan_;
+  for (Known& known : known_) {
+    if (!known.place.velocity_W.isZero(0)) known.place.move(to_seconds(time - known.time) * known.place.velocity_W);
+    known.time = time;
+  }
   std::vector<Region> regions = regions_of(pieces, X_WL);
   match(regions);
   for (Region& region : regions) {
@@ -112,15 +117,17 @@ void ObstacleNumbers::keep(std::span<Obstacle> pieces, const Pose& X_WL) {
         std::find_if(regions.begin(), regions.end(), [&](const Region& r) { return r.number_in_scan == o.number; });
     if (region != regions.end()) o.number = region->number;
   }
-  for (Region& region : regions) remember(region);
+  for (Region& region : regions) remember(region, time);
   drop_the_oldest();
 }
 
+void ObstacleNumbers::Place::move(const Vector2d& by_W) {
+  box.translate(by_W);
+  for (Polygon& outline : outlines_W) outline = moved_by(std::move(outline), by_W);
+}
+
 void ObstacleNumbers::move(const Vector2d& by_W) {
-  for (Known& known : known_) {
-    known.place.box.translate(by_W);
-    for (Polygon& outline : known.place.outlines_W) outline = moved_by(std::move(outline), by_W);
-  }
+  for (Known& known : known_) known.place.move(by_W);
 }
 
 }  // namespace isobath

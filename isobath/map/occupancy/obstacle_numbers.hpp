@@ -10,9 +10,10 @@
 // number. Where two grow together, the whole takes the number of the one that it overlaps more; the other number stays
 // at its place and returns when they separate.
 //
-// Not promised: an obstacle that moves more than its size and kSame_m from one scan to the next, and one that was away
-// while the position drifted farther than that, get a new number. At most kMax obstacles are known; the one unseen for
-// longest is dropped first.
+// An obstacle that is known to move is looked for where its velocity has brought it. Not promised: an obstacle of
+// unknown velocity that moves more than its size and kSame_m from one scan to the next, and one that was away while the
+// position drifted farther than that, get a new number. At most kMax obstacles are known; the one unseen for longest is
+// dropped first.
 //
 // Outlines in L at the scan; known ones in W, m. Deterministic. One thread.
 #pragma once
@@ -31,7 +32,7 @@ class ObstacleNumbers {
   static constexpr std::size_t kMax = 512;
 
   /// Renumbers the pieces of one scan, which come nearest first.
-  void keep(std::span<Obstacle> pieces, const Pose& X_WL);
+  void keep(std::span<Obstacle> pieces, const Pose& X_WL, Time time = {});
   /// The estimated position jumped: the known obstacles move along, as the water around the vehicle does.
   void move(const Eigen::Vector2d& by_W);
   /// Forgets the obstacles but not how far numbers have been given: the time starts anew.
@@ -42,11 +43,15 @@ class ObstacleNumbers {
   struct Place {
     std::vector<Polygon> outlines_W;
     Eigen::AlignedBox2d box;
+    Eigen::Vector2d velocity_W = Eigen::Vector2d::Zero();
+
+    void move(const Eigen::Vector2d& by_W);
   };
   struct Known {
     int number = 0;
     Place place;
     std::uint64_t scan = 0;  ///< that saw it last
+    Time time = {};          ///< for which its place holds
   };
   struct Region {
     int number_in_scan = 0;
@@ -55,7 +60,7 @@ class ObstacleNumbers {
   };
   [[nodiscard]] static std::vector<Region> regions_of(std::span<const Obstacle> pieces, const Pose& X_WL);
   void match(std::vector<Region>& regions);
-  void remember(Region& region);
+  void remember(Region& region, Time time);
   void drop_the_oldest();
 
   std::vector<Known> known_;  ///< in the order of their numbers

@@ -4,6 +4,20 @@
 
 namespace isobath {
 
+namespace {
+
+/// The outline in L with what the obstacle crosses from now on.
+Polygon outline_ahead(const Obstacle& obstacle, const Pose& X_WL, double ahead_s) {
+  if (!obstacle.moves()) return obstacle.outline;
+  const Eigen::Vector3d way_W(obstacle.motion.velocity_W.x(), obstacle.motion.velocity_W.y(), 0);
+  const Eigen::Vector2d way = ahead_s * (X_WL.rotation.inverse() * way_W).head<2>();
+  Polygon corners = obstacle.outline;
+  for (const Eigen::Vector2d& p : obstacle.outline) corners.push_back(p + way);
+  return convex_hull(std::move(corners));
+}
+
+}  // namespace
+
 std::vector<Field> fields(FlsDetectorConfig& c) {
   return {
       Field::real("min_existence", &c.min_existence, {0, 1}, "1", "Obstacles less probable than this are left out.")
@@ -12,6 +26,8 @@ std::vector<Field> fields(FlsDetectorConfig& c) {
                   "How far an obstacle may reach beyond its outline, in cells of the grid."),
       Field::real("memory_radius_m", &c.memory_radius_m, {0, 1e5}, "m",
                   "How far from the vehicle obstacles of earlier sweeps are recalled."),
+      Field::real("moving_ahead_s", &c.moving_ahead_s, {0, 60}, "s",
+                  "A moving obstacle counts with the water that it crosses in this time."),
   };
 }
 
@@ -40,8 +56,8 @@ void FlsDetector::on(const Sweep& sweep, Outbox& out) {
   seen_.clear();
   for (const Obstacle& o : map.obstacles) {
     if (o.existence < config_.min_existence || o.outline.empty()) continue;
-    seen_.push_back({o.outline, config_.margin_cells * map.cells.cell_m, HazardKind::kSeen,
-                     static_cast<std::uint32_t>(seen_.size()), o.number});
+    seen_.push_back({outline_ahead(o, X_WL_seen_, config_.moving_ahead_s), config_.margin_cells * map.cells.cell_m,
+                     HazardKind::kSeen, static_cast<std::uint32_t>(seen_.size()), o.number});
   }
   if (sweep.posed) remember(sweep);
   say_scan(map.time, X_WL_seen_, sweep.posed, out);

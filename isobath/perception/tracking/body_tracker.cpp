@@ -16,7 +16,7 @@ constexpr double kUseless = 0.25;      // of the existence with which a track be
 bool is_usable(const BodyReading& r) {
   if (!r.p_W.allFinite() || !r.covariance.allFinite() || !r.scatter.allFinite()) return false;
   const bool definite = r.covariance(0, 0) > 0 && r.covariance.determinant() > 0;
-  return definite && std::isfinite(r.echoes) && r.echoes > 0;
+  return definite && std::isfinite(r.age_s) && r.age_s >= 0 && std::isfinite(r.echoes) && r.echoes > 0;
 }
 
 /// The scatter of a reading joins the extent of the track, each with the number of its echoes.
@@ -111,7 +111,7 @@ void BodyTracker::weigh(const Coverage& coverage) {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const BodyTrack& track = tracks_[i];
     const MotionFilter::Estimate estimate = track.filter.estimate();
-    const Eigen::Vector2d at = estimate.mean.head<2>();
+    const Eigen::Vector2d at = estimate.mean.head<2>(), velocity = estimate.mean.segment<2>(2);
     const Eigen::Matrix2d spread = estimate.covariance.topLeftCorner<2, 2>();
     const double detection = coverage.detection(at);
     detection_.push_back(detection);
@@ -119,11 +119,11 @@ void BodyTracker::weigh(const Coverage& coverage) {
     first_pair_.push_back(task_.pairs.size());
     for (std::size_t j = 0; j < readings_.size(); ++j) {
       const BodyReading& r = readings_[j];
-      const Eigen::Vector2d off = r.p_W - at;
+      const Eigen::Vector2d off = r.p_W - (at - r.age_s * velocity);
       const Eigen::Matrix2d s = spread + r.covariance;
       if (off.squaredNorm() > config_.gate * s.trace() || off.dot(s.inverse() * off) > config_.gate) continue;
       const double seen = std::max(detection, kHardlySeen);
-      const double w = track.existence * seen * std::exp(track.filter.log_likelihood(r.p_W, r.covariance));
+      const double w = track.existence * seen * std::exp(track.filter.log_likelihood(r));
       if (w > 0) task_.pairs.push_back({i, j, w});
     }
   }
@@ -146,7 +146,7 @@ void BodyTracker::correct_track(std::size_t i, Time time) {
     const AssociationPair& pair = task_.pairs[k];
     const BodyReading& reading = readings_[pair.reading];
     mixed_.push_back(track.filter);
-    mixed_.back().correct(reading.p_W, reading.covariance);
+    mixed_.back().correct(reading);
     shares_.push_back(pair.probability);
     existence += pair.probability;
     read += pair.probability;

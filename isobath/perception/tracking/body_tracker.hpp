@@ -42,11 +42,9 @@ struct BodyTrackerConfig {
 std::vector<Field> fields(BodyTrackerConfig& config);
 
 /// The position of a body, and how its echoes scatter about it.
-struct BodyReading {
-  Eigen::Vector2d p_W = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of the position, m2
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();         ///< of the echoes about it, m2
-  double echoes = 1;                                         ///< that it was made of
+struct BodyReading : MotionFilter::Reading {
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();  ///< of the echoes about it, m2
+  double echoes = 1;                                  ///< that it was made of
 };
 
 struct BodyTrack {

@@ -159,41 +159,51 @@ void MotionFilter::advance(const MotionFilterConfig& config, double seconds) {
 
 namespace {
 
-/// Logarithm of the density of a reading of an estimate, 1/m2.
-double log_density(const Estimate& e, const Eigen::Vector2d& p_W, const Eigen::Matrix2d& covariance) {
-  const Eigen::Matrix2d s = e.covariance.topLeftCorner<2, 2>() + covariance;
-  const Eigen::Vector2d off = p_W - e.mean.head<2>();
-  const double determinant = s.determinant();
-  return -0.5 * off.dot(s.inverse() * off) - 0.5 * std::log(determinant) - std::log(2 * std::numbers::pi);
+using Observation = Eigen::Matrix<double, 2, 5>;
+
+/// What a reading observes of a state: the position, back along the velocity by the reading's age.
+Observation observation_of(const MotionFilter::Reading& r) {
+  Observation h = Observation::Zero();
+  h.leftCols<2>().setIdentity();
+  h.middleCols<2>(2) = -r.age_s * Eigen::Matrix2d::Identity();
+  return h;
 }
 
-void correct_by(Estimate& e, const Eigen::Vector2d& p_W, const Eigen::Matrix2d& covariance) {
-  const Eigen::Matrix2d s = e.covariance.topLeftCorner<2, 2>() + covariance;
-  const Eigen::Matrix<double, 5, 2> gain = e.covariance.leftCols<2>() * s.inverse();
-  e.mean += gain * (p_W - e.mean.head<2>());
-  Matrix rest = Matrix::Identity();
-  rest.leftCols<2>() -= gain;
-  e.covariance = rest * e.covariance * rest.transpose() + gain * covariance * gain.transpose();
+/// Logarithm of the density of a reading of an estimate, 1/m2.
+double log_density(const Estimate& e, const Observation& h, const MotionFilter::Reading& r) {
+  const Eigen::Matrix2d s = h * e.covariance * h.transpose() + r.covariance;
+  const Eigen::Vector2d off = r.p_W - h * e.mean;
+  return -0.5 * off.dot(s.inverse() * off) - 0.5 * std::log(s.determinant()) - std::log(2 * std::numbers::pi);
+}
+
+void correct_by(Estimate& e, const Observation& h, const MotionFilter::Reading& r) {
+  const Eigen::Matrix2d s = h * e.covariance * h.transpose() + r.covariance;
+  const Eigen::Matrix<double, 5, 2> gain = e.covariance * h.transpose() * s.inverse();
+  e.mean += gain * (r.p_W - h * e.mean);
+  const Matrix rest = Matrix::Identity() - gain * h;
+  e.covariance = rest * e.covariance * rest.transpose() + gain * r.covariance * gain.transpose();
 }
 
 }  // namespace
 
-double MotionFilter::log_likelihood(const Eigen::Vector2d& p_W, const Eigen::Matrix2d& covariance) const {
+double MotionFilter::log_likelihood(const Reading& reading) const {
+  const Observation h = observation_of(reading);
   std::array<double, kMotions> l{};
-  for (int i = 0; i < kMotions; ++i) l[i] = log_density(motions_[i], p_W, covariance);
+  for (int i = 0; i < kMotions; ++i) l[i] = log_density(motions_[i], h, reading);
   const double most = *std::ranges::max_element(l);
   double sum = 0;
   for (int i = 0; i < kMotions; ++i) sum += probability_[i] * std::exp(l[i] - most);
   return most + std::log(std::max(sum, 1e-300));
 }
 
-void MotionFilter::correct(const Eigen::Vector2d& p_W, const Eigen::Matrix2d& covariance) {
+void MotionFilter::correct(const Reading& reading) {
+  const Observation h = observation_of(reading);
   std::array<double, kMotions> l{};
-  for (int i = 0; i < kMotions; ++i) l[i] = log_density(motions_[i], p_W, covariance);
+  for (int i = 0; i < kMotions; ++i) l[i] = log_density(motions_[i], h, reading);
   const double most = *std::ranges::max_element(l);
   double sum = 0;
   for (int i = 0; i < kMotions; ++i) {
-    correct_by(motions_[i], p_W, covariance);
+    correct_by(motions_[i], h, reading);
     probability_[i] = std::max(probability_[i] * std::exp(l[i] - most), kLeast);
     sum += probability_[i];
   }

@@ -51,9 +51,15 @@ class MotionFilter {
                double share_still = 0.5);
 
   void advance(const MotionFilterConfig& config, double seconds);
+  /// Where a body was, `age_s` before the filter's time.
+  struct Reading {
+    Eigen::Vector2d p_W = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< m2
+    double age_s = 0;                                          ///< a scanning sonar meets bodies one after the other
+  };
   /// Logarithm of the density of a reading, 1/m2.
-  [[nodiscard]] double log_likelihood(const Eigen::Vector2d& p_W, const Eigen::Matrix2d& covariance) const;
-  void correct(const Eigen::Vector2d& p_W, const Eigen::Matrix2d& covariance);
+  [[nodiscard]] double log_likelihood(const Reading& reading) const;
+  void correct(const Reading& reading);
   /// This filter becomes the mixture of some filters of the same body, by moments; shares sum to 1.
   void mix(std::span<const MotionFilter> others, std::span<const double> shares);
   /// The frame has moved: a correction of the own position moves what was measured from it.

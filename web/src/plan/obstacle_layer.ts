@@ -3,7 +3,8 @@
  *
  * Shape tells them apart, so that colour is not needed. A piece of the last scan is filled; its outline is dashed if it
  * is doubtful. A remembered one has a dotted outline, which fades the longer it is unseen. A thin line from a ring
- * shows the earlier positions of its centre. An obstacle has one label with its number, however many pieces it has.
+ * shows the earlier positions of its centre. A body that moves has an arrow to where its velocity takes it in ten
+ * seconds. An obstacle has one label with its number, however many pieces it has.
  */
 import { age, metres } from '../units';
 import type { Piece } from '../items';
@@ -21,6 +22,8 @@ const kPale = 120;
 const kNoLabels = 0.4;
 const kNumbersOnly = 0.18;
 const kCrowd = 60;
+/** s: how far ahead the arrow of a moving body reaches. */
+const kArrow = 10;
 const kNamedOfACrowd = 12;
 
 export function drawObstacles(pen: Pen, model: Model, all: readonly Tracked[], pointed: Tracked | null): void {
@@ -30,6 +33,7 @@ export function drawObstacles(pen: Pen, model: Model, all: readonly Tracked[], p
     if (piece.id === undefined) drawSeen(pen, piece);
     else drawRemembered(pen, piece, Math.max(0, model.now - (piece.seen ?? model.now)));
   }
+  for (const piece of model.pieces) drawVelocity(pen, piece);
   for (const t of namedOf(pen, model, all)) drawName(pen, model, t);
   if (pointed) point(pen, pointed);
 }
@@ -81,6 +85,23 @@ function drawSeen(pen: Pen, piece: Piece): void {
     dash: existence < kSure ? [4, 3] : [],
   });
   drawing.globalAlpha = 1;
+}
+
+function drawVelocity(pen: Pen, { outline, velocity }: Piece): void {
+  if (!velocity || outline.length === 0) return;
+  const { drawing, camera, paint } = pen;
+  const from = middle(outline);
+  const to: Point = [from[0] + kArrow * velocity[0], from[1] + kArrow * velocity[1]];
+  const [x, y] = [camera.x(...to), camera.y(...to)];
+  const along = Math.atan2(y - camera.y(...from), x - camera.x(...from));
+  for (const [colour, width] of [[paint.halo, 5] as const, [paint.obstacle, 2] as const]) {
+    trace(pen, [from, to], false);
+    for (const side of [-0.45, 0.45]) {
+      drawing.moveTo(x, y);
+      drawing.lineTo(x - 9 * Math.cos(along + side), y - 9 * Math.sin(along + side));
+    }
+    stroke(pen, { colour, width });
+  }
 }
 
 /** A dotted outline where navigation put it when it was seen; a pale band shows how far it may extend by now. */

@@ -113,6 +113,11 @@ export function history(t: Tracked, now: number): string[] {
     const existence = t.whole?.existence ?? t.seen[0]?.existence;
     if (existence !== undefined) parts.push(`existence ${percent(existence)}`);
   }
+  const velocity = t.seen.find((o) => o.velocity !== undefined)?.velocity;
+  if (velocity) {
+    const course = bearing(Math.atan2(velocity[1], velocity[0]));
+    parts.push(`moves at ${Math.hypot(...velocity).toFixed(1)} m/s towards ${course}`);
+  }
   const label = t.seen.find((o) => o.label !== undefined)?.label;
   if (label !== undefined) parts.push(kLabels[label]);
   if (t.whole?.behind) parts.push('behind a nearer one');

@@ -1,0 +1,265 @@
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <isobath/onboard/moving_bodies.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr double kSigmas = 2;      // of echoes about the centre and of the position, that a place holds
+constexpr double kProbably = 0.5;  // probability of lying still from which a body no longer moves
+constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
+
+double greatest(const Eigen::Matrix2d& covariance) {
+  const double half = covariance.trace() / 2;
+  return half + std::sqrt(std::max(half * half - covariance.determinant(), 0.0));
+}
+
+Eigen::Vector2d level_body(const Pose& X_LW, const Eigen::Vector2d& p_W) {
+  return (X_LW * Eigen::Vector3d(p_W.x(), p_W.y(), 0)).head<2>();
+}
+
+}  // namespace
+
+std::vector<Field> fields(MovingBodiesConfig& c) {
+  std::vector<Field> all = {
+      Field::flag("on", &c.on, "Whether bodies are tracked, and those that move kept out of the maps."),
+      Field::real("min_speed", &c.min_speed, {0.01, 10}, "m/s", "A slower body is taken to lie still."),
+      Field::real("max_still", &c.max_still, {1e-6, 0.5}, "1",
+                  "A body moves only if it lies still with less than this probability."),
+      Field::real("significance", &c.significance, {0, 20}, "1",
+                  "Speed from which a body moves, in standard deviations of its velocity."),
+      Field::integer("min_readings", &c.min_readings, {2, 1000}, "1", "Readings before a body may be found to move."),
+      Field::real("margin_m", &c.margin_m, {0, 20}, "m",
+                  "How far echoes may lie outside of the place of a moving body and still be its own."),
+      Field::real("max_sigma_m", &c.max_sigma_m, {0.1, 100}, "m",
+                  "A moving body whose position is less certain, standard deviation, is no obstacle any more."),
+  };
+  for (Field& field : fields(c.looks)) all.push_back(std::move(field));
+  return all;
+}
+
+MovingBodies::MovingBodies(const MovingBodiesConfig& config)
+    : config_(config), tracker_(config.tracker, config.motion) {}
+
+BodyLooks& MovingBodies::looks_of(const Ping& ping) {
+  const auto same = [&](const Head& head) {
+    return head.X_BS.translation == ping.X_BS.translation &&
+           head.X_BS.rotation.quaternion().coeffs() == ping.X_BS.rotation.quaternion().coeffs();
+  };
+  const auto head = std::find_if(heads_.begin(), heads_.end(), same);
+  if (head != heads_.end()) return head->looks;
+  return heads_.emplace_back(Head{ping.X_BS, BodyLooks(config_.looks)}).looks;
+}
+
+void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
+  if (!config_.on) return;
+  BodyLooks& looks = looks_of(ping);
+  const BodyLook* look = looks.add(ping, decisions, X_WB);
+  if (look && tracker_.update(look->time(), look->readings(), *look)) {
+    time_ = look->time();
+    judge();
+  }
+  boxes_.clear();
+  for_each_moving([&](const BodyTrack& track) {
+    const Place place = place_of(track, ping.time);
+    looks.find_bodies([&](const Eigen::Vector2d& p_W) { return place.contains(p_W); }, boxes_);
+  });
+}
+
+MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) const {
+  const MotionFilter::Estimate e = track.filter.estimate();
+  const double ahead_s = to_seconds(time - time_);
+  const double sigma = std::sqrt(greatest(e.covariance.topLeftCorner<2, 2>()));
+  const double grown = config_.margin_m + kSigmas * std::min(sigma, config_.max_sigma_m);
+  return {e.mean.head<2>() + ahead_s * e.mean.segment<2>(2),
+          kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity()};
+}
+
+bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body) const {
+  if (!track.confirmed || static_cast<int>(track.readings) < config_.min_readings || body.trail.empty()) return false;
+  if (track.filter.probability(MotionFilter::kStill) > config_.max_still) return false;
+  const MotionFilter::Estimate e = track.filter.estimate();
+  const Eigen::Vector2d velocity = e.mean.segment<2>(2);
+  const Eigen::Matrix2d spread = e.covariance.block<2, 2>(2, 2);
+  if (velocity.norm() < config_.min_speed) return false;
+  if (velocity.dot(spread.inverse() * velocity) < config_.significance * config_.significance) return false;
+  return !body.trail.front().contains(e.mean.head<2>());
+}
+
+bool MovingBodies::lies_still(const BodyTrack& track) const {
+  return track.filter.probability(MotionFilter::kStill) > kProbably ||
+         track.filter.estimate().mean.segment<2>(2).norm() < config_.min_speed / 2;
+}
+
+/// Which tracks move now.
+void MovingBodies::judge() {
+  const auto tracks = tracker_.tracks();
+  const auto number = [](const BodyTrack& track) { return track.number; };
+  std::erase_if(bodies_, [&](const auto& body) { return !std::ranges::binary_search(tracks, body.first, {}, number); });
+  for (const BodyTrack& track : tracks) {
+    Body& body = bodies_[track.number];
+    if (track.last == time_) {
+      if (body.trail.size() == kTrail) body.trail.erase(body.trail.begin());
+      body.trail.push_back(place_of(track, time_));
+    }
+    if (body.moves) {
+      body.moves = !lies_still(track);
+    } else if (begins_to_move(track, body)) {
+      body.moves = true;
+      ++found_;
+    }
+    if (body.moves) leave_trail(body, track);
+  }
+}
+
+/// What the body has left was water: the maps took in part of the body there.
+void MovingBodies::leave_trail(Body& body, const BodyTrack& track) {
+  const Eigen::Vector2d now = track.filter.position();
+  const auto left = std::stable_partition(body.trail.begin(), body.trail.end(),
+                                          [&](const Place& place) { return place.contains(now); });
+  for (auto place = left; place != body.trail.end(); ++place) wakes_.push_back({*place, time_});
+  if (wakes_.size() > kWakes) wakes_.erase(wakes_.begin(), wakes_.end() - static_cast<std::ptrdiff_t>(kWakes));
+  body.trail.erase(left, body.trail.end());
+}
+
+bool MovingBodies::Place::contains(const Eigen::Vector2d& p_W) const {
+  const Eigen::Vector2d off = p_W - centre_W;
+  return off.dot(shape.inverse() * off) <= 1;
+}
+
+template <class Use>
+void MovingBodies::for_each_moving(Use use) const {
+  for (const BodyTrack& track : tracker_.tracks()) {
+    const auto body = bodies_.find(track.number);
+    if (body != bodies_.end() && body->second.moves) use(track);
+  }
+}
+
+int MovingBodies::withhold_box(const Ping& ping, const EchoBox& box, EchoDecisions& decisions) {
+  const auto bin_at = [&](double range_m) {
+    return static_cast<int>(
+        std::clamp<double>((range_m - ping.window.start_m) / ping.window.bin_m, 0, ping.window.bins));
+  };
+  const int first = bin_at(box.near_m), end = bin_at(box.far_m);
+  const std::vector<Angle>& azimuth = ping.fan->azimuth;
+  const auto low = std::lower_bound(azimuth.begin(), azimuth.end(), box.low);
+  int withheld = 0;
+  for (auto beam = low; beam != azimuth.end() && *beam <= box.high; ++beam) {
+    const int b = static_cast<int>(beam - azimuth.begin());
+    for (int bin = first; bin < end; ++bin) {
+      if (!decisions.usable(bin) || !decisions.hit(b, bin)) continue;
+      decisions.set_blind(b, bin);
+      ++withheld;
+    }
+  }
+  return withheld;
+}
+
+int MovingBodies::withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& decisions) const {
+  int withheld = 0;
+  for (const EchoBox& box : boxes_) withheld += withhold_box(ping, box, decisions);
+  const Pose X_WS = X_WB * ping.X_BS;
+  for_each_moving([&](const BodyTrack& track) {
+    const Place place = place_of(track, ping.time);
+    const Eigen::Matrix2d inverse = place.shape.inverse();
+    const Eigen::Vector2d to = place.centre_W - X_WS.translation.head<2>();
+    for (int b = 0; b < decisions.beams(); ++b) {
+      const Angle a = ping.fan->azimuth[b];
+      const Eigen::Vector2d u = (X_WS.rotation * Eigen::Vector3d(cos(a), sin(a), 0)).head<2>();
+      // Slant ranges s at which s u lies in the ellipse: (s u - to)' inverse (s u - to) <= 1.
+      const double uu = u.dot(inverse * u), ut = u.dot(inverse * to), tt = to.dot(inverse * to);
+      const double root2 = ut * ut - uu * (tt - 1);
+      if (!(root2 > 0) || !(uu > 0)) continue;
+      const double root = std::sqrt(root2);
+      withheld += withhold_box(ping, {a, a, (ut - root) / uu, (ut + root) / uu + ping.window.bin_m}, decisions);
+    }
+  });
+  return withheld;
+}
+
+void MovingBodies::clear_trails(BodyGrid& grid, Time time, const Pose& X_WB) {
+  std::erase_if(wakes_, [&](const Wake& wake) { return to_seconds(time - wake.left) > kWake_s; });
+  const Pose X_LW = level(X_WB).inverse();
+  const Eigen::Rotation2Dd R_WG((X_WB.rotation.heading() - grid.heading()).radians());
+  const Time forgotten = time - seconds(kForgotten_s);
+  const std::span<double> log_odds = grid.log_odds();
+  const CartesianGrid& cells = grid.cells();
+  for (Wake& wake : wakes_) {
+    const Eigen::Vector2d centre = grid.from_level_body(level_body(X_LW, wake.place.centre_W));
+    const Eigen::Matrix2d inverse = wake.place.shape.inverse();
+    const double reach = std::sqrt(greatest(wake.place.shape));
+    const auto cell_at = [&](double at, int count) {
+      return static_cast<int>(std::clamp<double>(std::floor(at / cells.cell_m), 0, count));
+    };
+    const int x_end = cell_at(centre.x() + reach + cells.cell_m, cells.cells_x);
+    const int y_end = cell_at(centre.y() + reach + cells.cell_m, cells.cells_y);
+    for (int x = cell_at(centre.x() - reach, cells.cells_x); x < x_end; ++x) {
+      for (int y = cell_at(centre.y() - reach, cells.cells_y); y < y_end; ++y) {
+        const std::size_t i = cells.index({x, y});
+        const Eigen::Vector2d off = R_WG * (cells.centre({x, y}) - centre);
+        if (off.dot(inverse * off) > 1) continue;
+        if (wake.is_new || grid.hits(i) == 0 || grid.last_hit(i) < forgotten)
+          log_odds[i] = std::min(log_odds[i], grid.log_odds_prior());
+      }
+    }
+    wake.is_new = false;
+  }
+}
+
+std::vector<Obstacle> MovingBodies::obstacles(Time time, const Pose& X_WB) const {
+  std::vector<Obstacle> out;
+  const Pose X_WL = level(X_WB), X_LW = X_WL.inverse();
+  const Angle heading = X_WB.rotation.heading();
+  const Eigen::Matrix2d R_LW = Eigen::Rotation2Dd(-heading.radians()).toRotationMatrix();
+  for_each_moving([&](const BodyTrack& track) {
+    const MotionFilter::Estimate e = track.filter.estimate();
+    const Eigen::Matrix2d position = e.covariance.topLeftCorner<2, 2>();
+    const double sigma = std::sqrt(greatest(position));
+    if (sigma > config_.max_sigma_m) return;
+    const Eigen::Vector2d velocity = e.mean.segment<2>(2);
+    const Eigen::Vector2d centre = level_body(X_LW, e.mean.head<2>() + to_seconds(time - time_) * velocity);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(track.extent);
+    Obstacle o;
+    std::vector<Eigen::Vector2d> corners;
+    for (const double a : {-1.0, 1.0}) {
+      for (const double b : {-1.0, 1.0}) {
+        const auto half = [&](int i) {
+          return std::max(kThinnest, kSigmas * std::sqrt(std::max(axes.eigenvalues()[i], 0.0))) + sigma;
+        };
+        corners.emplace_back(
+            centre + R_LW * (a * half(0) * axes.eigenvectors().col(0) + b * half(1) * axes.eigenvectors().col(1)));
+      }
+    }
+    o.outline = convex_hull(std::move(corners));
+    o.nearest = nearest_point(o.outline, Eigen::Vector2d::Zero());
+    o.range_m = o.nearest.norm();
+    o.bearing = Angle::radians(std::atan2(o.nearest.y(), o.nearest.x())).wrapped_positive();
+    o.existence = track.existence;
+    o.centre = centre;
+    o.covariance = R_LW * track.extent * R_LW.transpose();
+    o.hits = static_cast<std::uint32_t>(track.extent_weight);
+    o.last_hit = track.last;
+    o.motion = {velocity, position, e.covariance.block<2, 2>(2, 2), track.number};
+    out.push_back(std::move(o));
+  });
+  return out;
+}
+
+void MovingBodies::shift(const Eigen::Vector2d& by_W) {
+  tracker_.shift(by_W);
+  for (auto& [number, body] : bodies_) {
+    for (Place& place : body.trail) place.centre_W += by_W;
+  }
+  for (Wake& wake : wakes_) wake.place.centre_W += by_W;
+}
+
+void MovingBodies::restart() {
+  heads_.clear();
+  bodies_.clear();
+  wakes_.clear();
+  tracker_ = BodyTracker(config_.tracker, config_.motion);
+}
+
+}  // namespace isobath

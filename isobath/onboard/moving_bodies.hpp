@@ -1,0 +1,108 @@
+// MovingBodies: tracks of the bodies around the vehicle from its own sonars, and what the maps must not keep of those
+// that move (Rodin, Amin c. 1988, 2.1; ledger S3-04, S3-15, S3-21).
+//
+// Each ping gives readings of bodies (body_looks.hpp), which a tracker takes (body_tracker.hpp). A confirmed track
+// moves if it is improbable that it lies still, its speed is at least `min_speed` and significant, and it has left the
+// place where it was first read by more than its size. It stays so until it probably lies still.
+//
+// Maps take the world for still. So the echoes of a body that moves go to its track: `withhold` makes their bins ones
+// without information, for all maps. The maps clear the water behind it by the pings that pass through. What a map took
+// in before the body was known to move, its trail, is cleared by `clear_trails`. Obstacles of moving bodies come from
+// the tracks.
+//
+// The error of the own position moves all tracks alike; a jump of the position moves them with it (`shift`). Slow drift
+// below `min_speed` does not make still bodies move. Frame W, m, s. Bounded: BodyTrackerConfig::max_tracks, kTrail
+// places a trail. One thread.
+#pragma once
+
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/occupancy/obstacle.hpp>
+#include <isobath/perception/tracking/body_looks.hpp>
+#include <map>
+
+namespace isobath {
+
+struct MovingBodiesConfig {
+  bool on = true;
+  double min_speed = 0.15;
+  double max_still = 0.05;
+  double significance = 4;
+  int min_readings = 6;
+  double margin_m = 0.5;
+  double max_sigma_m = 3;
+  BodyLooksConfig looks;
+  BodyTrackerConfig tracker = {.clutter = 1e-4, .unseen = 1e-5, .survival_s = 60};
+  MotionFilterConfig motion;
+};
+
+std::vector<Field> fields(MovingBodiesConfig& config);
+
+class MovingBodies {
+ public:
+  static constexpr std::size_t kTrail = 64, kWakes = 512;
+  static constexpr double kForgotten_s = 5, kWake_s = 60;
+
+  explicit MovingBodies(const MovingBodiesConfig& config);
+
+  /// Takes the echoes of a ping that lies flat.
+  void look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
+  /// Takes the echoes of moving bodies out of decisions of the ping that was looked at last: those in the place of a
+  /// body, and those joined to them. Returns their number.
+  int withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& decisions) const;
+  /// Clears the trails of moving bodies in a grid at this time and pose: all that a body has left since the last call,
+  /// and what had its last echo kForgotten_s ago where a body passed in the last kWake_s. (A long body, whose middle
+  /// echoes from one place as it passes, leaves that behind where no beam comes any more.)
+  void clear_trails(BodyGrid& grid, Time time, const Pose& X_WB);
+  /// The bodies that move, as obstacles of a scan at this time and pose; not numbered.
+  [[nodiscard]] std::vector<Obstacle> obstacles(Time time, const Pose& X_WB) const;
+
+  void shift(const Eigen::Vector2d& by_W);
+  /// Forgets all tracks: the time starts anew.
+  void restart();
+
+  [[nodiscard]] const BodyTracker& tracker() const { return tracker_; }
+  /// Number of bodies that were found to move so far.
+  [[nodiscard]] std::uint64_t found() const { return found_; }
+
+ private:
+  /// An ellipse: the points p with (p - centre)' shape^-1 (p - centre) <= 1.
+  struct Place {
+    Eigen::Vector2d centre_W;
+    Eigen::Matrix2d shape;
+
+    [[nodiscard]] bool contains(const Eigen::Vector2d& p_W) const;
+  };
+  struct Body {
+    std::vector<Place> trail;  ///< where it was read; of a moving body: where it still may be
+    bool moves = false;
+  };
+  struct Wake {
+    Place place;
+    Time left;
+    bool is_new = true;  ///< not cleared yet
+  };
+  struct Head {
+    Pose X_BS;
+    BodyLooks looks;
+  };
+  BodyLooks& looks_of(const Ping& ping);
+  void judge();
+  void leave_trail(Body& body, const BodyTrack& track);
+  static int withhold_box(const Ping& ping, const EchoBox& box, EchoDecisions& decisions);
+  [[nodiscard]] bool begins_to_move(const BodyTrack& track, const Body& body) const;
+  [[nodiscard]] bool lies_still(const BodyTrack& track) const;
+  [[nodiscard]] Place place_of(const BodyTrack& track, Time time) const;
+  template <class Use>
+  void for_each_moving(Use use) const;
+
+  MovingBodiesConfig config_;
+  std::vector<Head> heads_;  ///< one a sonar
+  BodyTracker tracker_;
+  Time time_{};
+  std::map<std::uint32_t, Body> bodies_;  ///< by the number of the track
+  std::vector<Wake> wakes_;               ///< that moving bodies have left, oldest first
+  std::vector<EchoBox> boxes_;            ///< of moving bodies in the last ping
+  std::uint64_t found_ = 0;
+};
+
+}  // namespace isobath
