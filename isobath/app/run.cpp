@@ -107,9 +107,11 @@ void print_input(const RunOutcome& outcome) {
   } else {
     fmt::print("received {} ranges and {} swaths in {}\n", n.ranges, n.swaths, span);
   }
-  if (n.moving > 0)
-    fmt::print("{} bod{} found to move; {} echoes of moving bodies went to no map\n", n.moving,
-               n.moving == 1 ? "y was" : "ies were", n.of_moving);
+  const std::uint64_t moving = n.bodies.moving;
+  if (moving > 0) {
+    fmt::print("{} bod{} found to move; {} echoes of moving bodies went to no map\n", moving,
+               moving == 1 ? "y was" : "ies were", n.of_moving);
+  }
   if (n.vertical > 0) fmt::print("received {} pings of vertical fans, for the voxel map\n", n.vertical);
 }
 

@@ -7,13 +7,18 @@
 namespace isobath {
 namespace {
 
-constexpr double kSigmas = 2;      // of echoes about the centre and of the position, that a place holds
-constexpr double kProbably = 0.5;  // probability of lying still from which a body no longer moves
-constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
+constexpr double kSigmas = 2;       // of echoes about the centre and of the position, that a place holds
+constexpr double kProbably = 0.5;   // probability of lying still from which a body no longer moves
+constexpr double kSignificant = 3;  // standard deviations of the speed, above zero
+constexpr double kThinnest = 0.2;   // m: half of the least side of an outline
 
 double greatest(const Eigen::Matrix2d& covariance) {
   const double half = covariance.trace() / 2;
   return half + std::sqrt(std::max(half * half - covariance.determinant(), 0.0));
+}
+
+double position_sigma(const BodyTrack& track) {
+  return std::sqrt(greatest(track.filter.estimate().covariance.topLeftCorner<2, 2>()));
 }
 
 Eigen::Vector2d level_body(const Pose& X_LW, const Eigen::Vector2d& p_W) {
@@ -28,8 +33,8 @@ std::vector<Field> fields(MovingBodiesConfig& c) {
       Field::real("min_speed", &c.min_speed, {0.01, 10}, "m/s", "A slower body is taken to lie still."),
       Field::real("max_still", &c.max_still, {1e-6, 0.5}, "1",
                   "A body moves only if it lies still with less than this probability."),
-      Field::real("significance", &c.significance, {0, 20}, "1",
-                  "Speed from which a body moves, in standard deviations of its velocity."),
+      Field::real("max_speed_sigma", &c.max_speed_sigma, {0.01, 10}, "m/s",
+                  "A body is found to move only if the standard deviation of its speed is at most this."),
       Field::integer("min_readings", &c.min_readings, {2, 1000}, "1", "Readings before a body may be found to move."),
       Field::real("margin_m", &c.margin_m, {0, 20}, "m",
                   "How far echoes may lie outside of the place of a moving body and still be its own."),
@@ -78,13 +83,13 @@ MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) co
 }
 
 bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body) const {
-  if (!track.confirmed || static_cast<int>(track.readings) < config_.min_readings || body.trail.empty()) return false;
+  if (static_cast<int>(track.readings) < config_.min_readings || body.trail.empty()) return false;
   if (track.filter.probability(MotionFilter::kStill) > config_.max_still) return false;
   const MotionFilter::Estimate e = track.filter.estimate();
   const Eigen::Vector2d velocity = e.mean.segment<2>(2);
-  const Eigen::Matrix2d spread = e.covariance.block<2, 2>(2, 2);
-  if (velocity.norm() < config_.min_speed) return false;
-  if (velocity.dot(spread.inverse() * velocity) < config_.significance * config_.significance) return false;
+  const double sigma = std::sqrt(greatest(e.covariance.block<2, 2>(2, 2)));
+  if (sigma > config_.max_speed_sigma || velocity.norm() < std::max(config_.min_speed, kSignificant * sigma))
+    return false;
   return !body.trail.front().contains(e.mean.head<2>());
 }
 
@@ -93,22 +98,40 @@ bool MovingBodies::lies_still(const BodyTrack& track) const {
          track.filter.estimate().mean.segment<2>(2).norm() < config_.min_speed / 2;
 }
 
+void MovingBodies::add_to(Counts& counts, const Body& body) {
+  ++counts.confirmed;
+  counts.slow += body.speed < kSlow ? 1 : 0;
+}
+
+MovingBodies::Counts MovingBodies::counts() const {
+  Counts all = ended_;
+  for (const auto& [number, body] : bodies_) add_to(all, body);
+  return all;
+}
+
 /// Which tracks move now.
 void MovingBodies::judge() {
   const auto tracks = tracker_.tracks();
   const auto number = [](const BodyTrack& track) { return track.number; };
-  std::erase_if(bodies_, [&](const auto& body) { return !std::ranges::binary_search(tracks, body.first, {}, number); });
+  std::erase_if(bodies_, [&](const auto& body) {
+    const bool ended = !std::ranges::binary_search(tracks, body.first, {}, number);
+    if (ended) add_to(ended_, body.second);
+    return ended;
+  });
   for (const BodyTrack& track : tracks) {
+    if (!track.confirmed) continue;
     Body& body = bodies_[track.number];
+    body.trail.reserve(kTrail);
     if (track.last == time_) {
       if (body.trail.size() == kTrail) body.trail.erase(body.trail.begin());
       body.trail.push_back(place_of(track, time_));
+      body.speed = track.filter.estimate().mean.segment<2>(2).norm();
     }
     if (body.moves) {
       body.moves = !lies_still(track);
     } else if (begins_to_move(track, body)) {
       body.moves = true;
-      ++found_;
+      ++ended_.moving;
     }
     if (body.moves) leave_trail(body, track);
   }
@@ -133,7 +156,9 @@ template <class Use>
 void MovingBodies::for_each_moving(Use use) const {
   for (const BodyTrack& track : tracker_.tracks()) {
     const auto body = bodies_.find(track.number);
-    if (body != bodies_.end() && body->second.moves) use(track);
+    if (body == bodies_.end() || !body->second.moves) continue;
+    // Where it is too uncertain, its echoes are those of an obstacle like any other.
+    if (position_sigma(track) <= config_.max_sigma_m) use(track);
   }
 }
 
@@ -216,8 +241,7 @@ std::vector<Obstacle> MovingBodies::obstacles(Time time, const Pose& X_WB) const
   for_each_moving([&](const BodyTrack& track) {
     const MotionFilter::Estimate e = track.filter.estimate();
     const Eigen::Matrix2d position = e.covariance.topLeftCorner<2, 2>();
-    const double sigma = std::sqrt(greatest(position));
-    if (sigma > config_.max_sigma_m) return;
+    const double sigma = position_sigma(track);
     const Eigen::Vector2d velocity = e.mean.segment<2>(2);
     const Eigen::Vector2d centre = level_body(X_LW, e.mean.head<2>() + to_seconds(time - time_) * velocity);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(track.extent);

@@ -2,7 +2,7 @@
 // that move (Rodin, Amin c. 1988, 2.1; ledger S3-04, S3-15, S3-21).
 //
 // Each ping gives readings of bodies (body_looks.hpp), which a tracker takes (body_tracker.hpp). A confirmed track
-// moves if it is improbable that it lies still, its speed is at least `min_speed` and significant, and it has left the
+// moves if it is improbable that it lies still, its speed is well known and at least `min_speed`, and it has left the
 // place where it was first read by more than its size. It stays so until it probably lies still.
 //
 // Maps take the world for still. So the echoes of a body that moves go to its track: `withhold` makes their bins ones
@@ -25,9 +25,9 @@ namespace isobath {
 struct MovingBodiesConfig {
   bool on = true;
   double min_speed = 0.15;
-  double max_still = 0.05;
-  double significance = 4;
-  int min_readings = 6;
+  double max_still = 0.01;
+  double max_speed_sigma = 0.15;
+  int min_readings = 8;
   double margin_m = 0.5;
   double max_sigma_m = 3;
   BodyLooksConfig looks;
@@ -40,6 +40,7 @@ std::vector<Field> fields(MovingBodiesConfig& config);
 class MovingBodies {
  public:
   static constexpr std::size_t kTrail = 64, kWakes = 512;
+  static constexpr double kSlow = 0.1;  ///< m/s
   static constexpr double kForgotten_s = 5, kWake_s = 60;
 
   explicit MovingBodies(const MovingBodiesConfig& config);
@@ -61,8 +62,13 @@ class MovingBodies {
   void restart();
 
   [[nodiscard]] const BodyTracker& tracker() const { return tracker_; }
-  /// Number of bodies that were found to move so far.
-  [[nodiscard]] std::uint64_t found() const { return found_; }
+  /// Bodies so far.
+  struct Counts {
+    std::uint64_t confirmed = 0;  ///< tracks
+    std::uint64_t slow = 0;       ///< of these, with a speed below kSlow at their last reading
+    std::uint64_t moving = 0;     ///< that were found to move
+  };
+  [[nodiscard]] Counts counts() const;
 
  private:
   /// An ellipse: the points p with (p - centre)' shape^-1 (p - centre) <= 1.
@@ -75,6 +81,7 @@ class MovingBodies {
   struct Body {
     std::vector<Place> trail;  ///< where it was read; of a moving body: where it still may be
     bool moves = false;
+    double speed = 0;  ///< at the last reading, m/s
   };
   struct Wake {
     Place place;
@@ -85,6 +92,7 @@ class MovingBodies {
     Pose X_BS;
     BodyLooks looks;
   };
+  static void add_to(Counts& counts, const Body& body);
   BodyLooks& looks_of(const Ping& ping);
   void judge();
   void leave_trail(Body& body, const BodyTrack& track);
@@ -99,10 +107,10 @@ class MovingBodies {
   std::vector<Head> heads_;  ///< one a sonar
   BodyTracker tracker_;
   Time time_{};
-  std::map<std::uint32_t, Body> bodies_;  ///< by the number of the track
+  std::map<std::uint32_t, Body> bodies_;  ///< confirmed ones, by the number of the track
   std::vector<Wake> wakes_;               ///< that moving bodies have left, oldest first
   std::vector<EchoBox> boxes_;            ///< of moving bodies in the last ping
-  std::uint64_t found_ = 0;
+  Counts ended_;                          ///< of the tracks that ended, and all bodies that were found to move
 };
 
 }  // namespace isobath

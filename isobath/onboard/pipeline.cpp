@@ -148,7 +148,7 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   const WaterColumn water = water_at(ping, X_WB, posed);  // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                // intensities -> decisions
   enter(Stage::kPlane);
-  if (posed) take_bodies(ping, X_WB);  // echoes of bodies that move -> tracks
+  if (posed) take_bodies(ping, decisions_, echoes_.looks(), X_WB);  // echoes of bodies that move -> tracks
   const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks()};
   update_grid(posed_ping.look_ping(), posed_ping.look_decisions(), X_WB, posed);
   sink_.on_ping(posed_ping);
@@ -160,11 +160,9 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
 }
 
 /// Tracks the bodies, and takes the echoes of those that move out of the decisions, so that no map keeps them.
-void Pipeline::take_bodies(const Ping& ping, const Pose& X_WB) {
-  FanLooks* looks = echoes_.looks();
-  bodies_.look(looks ? looks->ping : ping, looks ? looks->decisions : decisions_, X_WB);
-  counts_.of_moving += bodies_.withhold(ping, X_WB, decisions_);
-  counts_.moving = bodies_.found();
+void Pipeline::take_bodies(const Ping& ping, EchoDecisions& decisions, FanLooks* looks, const Pose& X_WB) {
+  bodies_.look(looks ? looks->ping : ping, looks ? looks->decisions : decisions, X_WB);
+  counts_.of_moving += bodies_.withhold(ping, X_WB, decisions);
   if (looks) bodies_.withhold(looks->ping, X_WB, looks->decisions);
 }
 
@@ -187,6 +185,7 @@ void Pipeline::map_soundings(const Swath& swath, const Pose& X_WB, bool posed) {
   if (!soundings_.update(swath, X_WB)) return;
   const Ping& ping = soundings_.ping();
   if (!mapper_ || counts_.pings == 0) fit_map(ping, posed);  // where a sonar with pings has made the grid, it stays
+  if (posed) take_bodies(ping, soundings_.decisions(), nullptr, level(X_WB));
   update_grid(ping, soundings_.decisions(), level(X_WB), posed);
   note_mapped(ping, X_WB, posed, water_at(ping, X_WB, posed));
 }
@@ -212,6 +211,7 @@ WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) c
 
 void Pipeline::end_scan() {
   enter(Stage::kObstacles);
+  counts_.bodies = bodies_.counts();
   bodies_.clear_trails(mapper_->grid(), last_->time, last_->from.X_WB);
   Detection found = detector_.detect(mapper_->grid(), last_->time, last_->from.X_WB);
   add_moving(found.obstacles, bodies_.obstacles(found.time, found.X_WB));

@@ -66,7 +66,7 @@ struct PipelineCounts {
   std::uint64_t blind = 0;          ///< dim bins in which a target would be hidden: they carry no information
   std::uint64_t dead_reckoned = 0;  ///< pings whose motion was known only from a model of the thruster (S6-22)
   std::uint64_t no_bottom = 0;      ///< pings with unknown altitude
-  std::uint64_t moving = 0;         ///< bodies that were found to move
+  MovingBodies::Counts bodies;      ///< that were tracked
   std::uint64_t of_moving = 0;      ///< echoes of these, which went to no map
   std::uint64_t jumps = 0;          ///< jumps of the position from one fix to the next
   double farthest_jump_m = 0;
@@ -136,7 +136,7 @@ class Pipeline {
   [[nodiscard]] bool motion_is_measured(bool posed) const { return !posed || poses_.knows_its_motion(); }
   void update_grid(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, bool posed);
   void note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const WaterColumn& water);
-  void take_bodies(const Ping& ping, const Pose& X_WB);
+  void take_bodies(const Ping& ping, EchoDecisions& decisions, FanLooks* looks, const Pose& X_WB);
   void count(const EchoDecisions& decisions);
   [[nodiscard]] WaterColumn water_at(const Ping& ping, const Pose& X_WB, bool posed) const;
   void end_scan();

@@ -30,6 +30,7 @@ class SoundingFan {
   /// The results for the last swath that update() accepted. The ping has no samples.
   [[nodiscard]] const Ping& ping() const { return ping_; }
   [[nodiscard]] const EchoDecisions& decisions() const { return decisions_; }
+  [[nodiscard]] EchoDecisions& decisions() { return decisions_; }
 
  private:
   struct Heard {

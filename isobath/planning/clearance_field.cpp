@@ -12,7 +12,9 @@ using Eigen::Vector3d;
 
 enum Column : std::uint8_t { kNoHazard, kFarHazard, kHazard, kShut };
 
-bool is_for_good(HazardKind kind) { return kind != HazardKind::kSeen && kind != HazardKind::kRemembered; }
+bool is_for_good(HazardKind kind) {
+  return kind != HazardKind::kSeen && kind != HazardKind::kRemembered && kind != HazardKind::kMoving;
+}
 
 /// Lowers a line of squared distances, in half voxels, to those of two lines that are `squared` away.
 template <class Square>

@@ -77,6 +77,7 @@ const char* to_text(HazardKind kind) {
     case HazardKind::kVoxels: return "voxels";
     case HazardKind::kFence: return "fence";
     case HazardKind::kInjected: return "injected";
+    case HazardKind::kMoving: return "moving";
   }
   return "";
 }

@@ -171,7 +171,9 @@ ordered_json counts_json(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   return {{"pings", n.pings},
           {"pings_without_pose", n.unposed},
-          {"moving_bodies", n.moving},
+          {"tracked_bodies", n.bodies.confirmed},
+          {"slow_bodies", n.bodies.slow},
+          {"moving_bodies", n.bodies.moving},
           {"echoes_of_moving_bodies", n.of_moving},
           {"pings_without_altitude", n.no_bottom},
           {"pings_dead_reckoned", n.dead_reckoned},

@@ -125,11 +125,9 @@ std::string obstacle_picture(const ScanView& view) {
     const Colour colour = o.behind ? palette::kHidden : palette::kObstacle;
     plot.area(o.outline, {colour.red, colour.green, colour.blue, 0.15}, {colour, 2, o.possible_multiple});
   }
-  const Rotation R_LW = level(view.pings.back().X_WB).rotation.inverse();
-  bool any_moves = false;
+  const Rotation R_LW = Rotation::from_heading(-view.heading);
   for (const Obstacle& o : view.obstacles) {
     if (!o.moves()) continue;
-    any_moves = true;
     const Eigen::Vector3d v_W(o.motion.velocity_W.x(), o.motion.velocity_W.y(), 0);
     const std::vector<Vector2d> way{o.centre, o.centre + kArrow_s * (R_LW * v_W).head<2>()};
     plot.polyline(way, false, {palette::kObstacle, 2.5, false});
@@ -143,8 +141,9 @@ std::string obstacle_picture(const ScanView& view) {
   };
   plot.north_arrow_and_scale("forward");
   if (!whole.empty()) plot.legend_number(palette::kObstacle, "obstacle: number, nearest point");
-  if (any_moves)
+  if (std::any_of(view.obstacles.begin(), view.obstacles.end(), [](const Obstacle& o) { return o.moves(); })) {
     plot.legend_line({palette::kObstacle, 2.5, false}, fmt::format("way of a moving body in {} s", kArrow_s));
+  }
   if (any(&Obstacle::behind)) plot.legend_line({palette::kHidden, 2, false}, "behind a nearer obstacle");
   if (any(&Obstacle::possible_multiple)) plot.legend_line({palette::kObstacle, 2, true}, "possible multiple echo");
   if (!view.truth.empty()) plot.legend_line({palette::kTruth, 2, false}, "ground truth");

@@ -30,6 +30,7 @@ struct ScanView {
   std::span<const Obstacle> obstacles;
   std::span<const Polygon> truth;  ///< outlines of bodies in L; may be empty
   ChartSource source;
+  Angle heading = {};  ///< of the vehicle at the end of the scan
 };
 
 /// The frame of the pictures of a scan: x forward is up.

@@ -210,6 +210,7 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
   Pictures pictures;
   if (const BodyGrid* grid = onboard.pipeline().grid()) {
     ScanView view{last_sweep_, obstacles_, truth_, source};
+    if (!scans_.empty()) view.heading = scans_.back().X_WB.rotation.heading();
     if (last.number > 0) view.source.survey += fmt::format(", scan {} of {}", last.number, scans_.size());
     pictures.occupancy = occupancy_picture(view, *grid);
     if (outcome.counts.pings > 0) pictures.sonar = echo_picture(view);  // a 3-D sonar tells soundings, not echoes

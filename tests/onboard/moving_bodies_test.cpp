@@ -8,8 +8,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kBins = 240;
-constexpr double kBin = 0.25, kRate = 5;  // m; pings a second
+constexpr int kLookBins = 240;
+constexpr double kLookBin = 0.25, kLookRate = 5;  // m; pings a second
 
 /// A vehicle with a fan of 120 degrees in water with round bodies, which echo with a probability of 0.7 a bin.
 class Water {
@@ -19,7 +19,7 @@ class Water {
     config.on = on;
     bodies_ = std::make_unique<MovingBodies>(config);
     ping_.fan = even_fan(121, Angle::degrees(120), Angle::degrees(1), Angle::degrees(20));
-    ping_.window = {0, kBin, kBins};
+    ping_.window = {0, kLookBin, kLookBins};
   }
 
   struct Disc {
@@ -28,11 +28,11 @@ class Water {
   };
   /// One ping; what the position is said to be may be off by `error_W`.
   void ping(std::span<const Disc> discs, const Vector2d& error_W = Vector2d::Zero()) {
-    ping_.time = Time(seconds(++pings_ / kRate));
-    decisions_.reset(ping_.fan->beams(), kBins);
+    ping_.time = Time(seconds(++pings_ / kLookRate));
+    decisions_.reset(ping_.fan->beams(), kLookBins);
     for (int b = 0; b < ping_.fan->beams(); ++b) {
       const Vector2d along(cos(ping_.fan->azimuth[b]), sin(ping_.fan->azimuth[b]));
-      for (int k = 0; k < kBins; ++k) {
+      for (int k = 0; k < kLookBins; ++k) {
         const Vector2d p = ping_.window.centre(k) * along;
         const bool in_one =
             std::any_of(discs.begin(), discs.end(), [&](const Disc& d) { return (p - d.p_W).norm() < d.radius; });
@@ -48,7 +48,7 @@ class Water {
     int count = 0;
     for (int b = 0; b < ping_.fan->beams(); ++b) {
       const Vector2d along(cos(ping_.fan->azimuth[b]), sin(ping_.fan->azimuth[b]));
-      for (int k = 0; k < kBins; ++k) {
+      for (int k = 0; k < kLookBins; ++k) {
         count += decisions_.hit(b, k) && (ping_.window.centre(k) * along - p_B).norm() < radius ? 1 : 0;
       }
     }
@@ -74,7 +74,7 @@ TEST(MovingBodies, AreKnownWithTheirVelocityAndEchoToNoMap) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Water water(seed);
     Vector2d p(35, -15);
-    for (int k = 0; k < 75; ++k, p += velocity / kRate) {
+    for (int k = 0; k < 75; ++k, p += velocity / kLookRate) {
       water.ping(std::array{Water::Disc{p}, Water::Disc{buoy}});
       if (k < 40) continue;
       near += water.echoes_near(p, 1.2);
@@ -83,8 +83,8 @@ TEST(MovingBodies, AreKnownWithTheirVelocityAndEchoToNoMap) {
     const std::vector<Obstacle> moving = water.moving();
     ASSERT_EQ(moving.size(), 1u) << seed;
     EXPECT_LT((moving[0].motion.velocity_W - velocity).norm(), 0.15) << seed;
-    EXPECT_LT((moving[0].centre - (p - velocity / kRate)).norm(), 0.4) << seed;
-    EXPECT_TRUE(contains(moving[0].outline, p - velocity / kRate)) << seed;
+    EXPECT_LT((moving[0].centre - (p - velocity / kLookRate)).norm(), 0.4) << seed;
+    EXPECT_TRUE(contains(moving[0].outline, p - velocity / kLookRate)) << seed;
   }
   EXPECT_EQ(near, 0) << "of the body that moves";
   EXPECT_GT(kept, 1000) << "of the body that lies still";
@@ -98,15 +98,15 @@ TEST(MovingBodies, AreNoneWhereAllLieStillAndNavigationDrifts) {
     for (int i = 0; i < 8; ++i) {
       discs.push_back({Vector2d(random.uniform(15, 50), random.uniform(-20, 20)), random.uniform(0.3, 2)});
     }
-    for (int k = 0; k < 150; ++k) water.ping(discs, Vector2d(0.03, -0.03) * (k / kRate));
-    EXPECT_EQ(water.bodies().found(), 0u) << seed;
+    for (int k = 0; k < 150; ++k) water.ping(discs, Vector2d(0.03, -0.03) * (k / kLookRate));
+    EXPECT_EQ(water.bodies().counts().moving, 0u) << seed;
   }
 }
 
 TEST(MovingBodies, AreObstaclesOfTheMapAgainWhenTheyStop) {
   Water water(3);
   Vector2d p(30, -15);
-  for (int k = 0; k < 60; ++k, p.y() += 1.0 / kRate) water.ping(std::array{Water::Disc{p}});
+  for (int k = 0; k < 60; ++k, p.y() += 1.0 / kLookRate) water.ping(std::array{Water::Disc{p}});
   ASSERT_EQ(water.moving().size(), 1u);
   EXPECT_GT(water.withheld(), 0);
   for (int k = 0; k < 100; ++k) water.ping(std::array{Water::Disc{p}});
@@ -119,9 +119,10 @@ TEST(MovingBodies, FollowAJumpOfThePositionWithoutAChangeOfVelocity) {
   Water water(5);
   Vector2d p(30, -12);
   const Vector2d buoy(40, 10);
-  for (int k = 0; k < 60; ++k, p.y() += 0.8 / kRate) water.ping(std::array{Water::Disc{p}, Water::Disc{buoy}});
+  for (int k = 0; k < 60; ++k, p.y() += 0.8 / kLookRate) water.ping(std::array{Water::Disc{p}, Water::Disc{buoy}});
   water.bodies().shift(jump);
-  for (int k = 0; k < 15; ++k, p.y() += 0.8 / kRate) water.ping(std::array{Water::Disc{p}, Water::Disc{buoy}}, jump);
+  for (int k = 0; k < 15; ++k, p.y() += 0.8 / kLookRate)
+    water.ping(std::array{Water::Disc{p}, Water::Disc{buoy}}, jump);
   const std::vector<Obstacle> moving = water.moving();
   ASSERT_EQ(moving.size(), 1u);
   EXPECT_LT((moving[0].motion.velocity_W - Vector2d(0, 0.8)).norm(), 0.2);
@@ -131,7 +132,7 @@ TEST(MovingBodies, FollowAJumpOfThePositionWithoutAChangeOfVelocity) {
 TEST(MovingBodies, AreNotLookedForWhereTheyAreSwitchedOff) {
   Water water(3, false);
   Vector2d p(30, -15);
-  for (int k = 0; k < 60; ++k, p.y() += 1.0 / kRate) water.ping(std::array{Water::Disc{p}});
+  for (int k = 0; k < 60; ++k, p.y() += 1.0 / kLookRate) water.ping(std::array{Water::Disc{p}});
   EXPECT_TRUE(water.moving().empty());
   EXPECT_EQ(water.withheld(), 0);
 }

@@ -7,23 +7,23 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kBins = 240;
-constexpr double kBin = 0.25;  // m
+constexpr int kLookBins = 240;
+constexpr double kLookBin = 0.25;  // m
 
-Time at(double s) { return Time(seconds(s)); }
-Pose pose(double north, double east, double heading_deg) {
+Time look_time(double s) { return Time(seconds(s)); }
+Pose sonar_at(double north, double east, double heading_deg) {
   return {Rotation::from_heading(Angle::degrees(heading_deg)), {north, east, 2}};
 }
 
 /// A ping of beams one degree apart, without samples: looks are made of decisions.
 Ping ping_of(std::shared_ptr<const BeamFan> fan, double s) {
   Ping ping;
-  ping.time = at(s);
+  ping.time = look_time(s);
   ping.fan = std::move(fan);
-  ping.window = {0, kBin, kBins};
+  ping.window = {0, kLookBin, kLookBins};
   return ping;
 }
-std::shared_ptr<const BeamFan> fan() {
+std::shared_ptr<const BeamFan> level_fan() {
   return even_fan(121, Angle::degrees(120), Angle::degrees(1), Angle::degrees(20));
 }
 std::shared_ptr<const BeamFan> head_at(double azimuth_deg) {
@@ -34,16 +34,16 @@ std::shared_ptr<const BeamFan> head_at(double azimuth_deg) {
   return std::make_shared<const BeamFan>(one);
 }
 
-EchoDecisions clear(const Ping& ping) {
+EchoDecisions no_echoes(const Ping& ping) {
   EchoDecisions decisions;
   decisions.reset(ping.fan->beams(), ping.window.bins);
   return decisions;
 }
 /// Echoes in the bins that a disc covers, seen from the sonar at the origin of its frame.
-void echo(const Ping& ping, EchoDecisions& decisions, const Vector2d& middle_S, double radius) {
+void add_disc(const Ping& ping, EchoDecisions& decisions, const Vector2d& middle_S, double radius) {
   for (int b = 0; b < ping.fan->beams(); ++b) {
     const Vector2d along(cos(ping.fan->azimuth[b]), sin(ping.fan->azimuth[b]));
-    for (int k = 0; k < kBins; ++k) {
+    for (int k = 0; k < kLookBins; ++k) {
       if ((ping.window.centre(k) * along - middle_S).norm() <= radius) decisions.set_hit(b, k);
     }
   }
@@ -52,13 +52,13 @@ void echo(const Ping& ping, EchoDecisions& decisions, const Vector2d& middle_S, 
 // ledger: S3-04
 TEST(BodyLooks, OfAFanHaveAReadingForEachBodyWhereItIsInTheWorld) {
   BodyLooks looks({});
-  const Ping ping = ping_of(fan(), 3);
-  EchoDecisions decisions = clear(ping);
-  echo(ping, decisions, {30, 0}, 1);
-  echo(ping, decisions, {20, 15}, 1);
-  const BodyLook* look = looks.add(ping, decisions, pose(100, 50, 90));
+  const Ping ping = ping_of(level_fan(), 3);
+  EchoDecisions decisions = no_echoes(ping);
+  add_disc(ping, decisions, {30, 0}, 1);
+  add_disc(ping, decisions, {20, 15}, 1);
+  const BodyLook* look = looks.add(ping, decisions, sonar_at(100, 50, 90));
   ASSERT_NE(look, nullptr);
-  EXPECT_EQ(look->time(), at(3));
+  EXPECT_EQ(look->time(), look_time(3));
   ASSERT_EQ(look->readings().size(), 2u);
   for (const BodyReading& r : look->readings()) {
     const Vector2d truth = r.p_W.y() > 75 ? Vector2d(100, 80) : Vector2d(85, 70);
@@ -68,7 +68,7 @@ TEST(BodyLooks, OfAFanHaveAReadingForEachBodyWhereItIsInTheWorld) {
   }
   EXPECT_GT(look->detection({100, 80}), 0.5);
   EXPECT_EQ(look->detection({100, 30}), 0) << "astern";
-  EXPECT_EQ(look->detection({100, 50 + kBin * kBins + 1}), 0) << "beyond the range";
+  EXPECT_EQ(look->detection({100, 50 + kLookBin * kLookBins + 1}), 0) << "beyond the range";
 }
 
 // ledger: S3-15
@@ -78,8 +78,8 @@ TEST(BodyLooks, OfAScanningHeadGiveABodyTheTimeOfItsOwnEchoes) {
   std::vector<Time> times;
   for (int k = 0; k < 60; ++k) {
     const Ping ping = ping_of(head_at(2 * k - 60), 0.1 * k);
-    EchoDecisions decisions = clear(ping);
-    echo(ping, decisions, {20, 0}, 1);  // at azimuth zero: the thirtieth beam, after 3 s
+    EchoDecisions decisions = no_echoes(ping);
+    add_disc(ping, decisions, {20, 0}, 1);  // at azimuth zero: the thirtieth beam, after 3 s
     if (const BodyLook* look = looks.add(ping, decisions, Pose{})) {
       times.push_back(look->time());
       for (const BodyReading& r : look->readings()) {
@@ -95,32 +95,32 @@ TEST(BodyLooks, OfAScanningHeadGiveABodyTheTimeOfItsOwnEchoes) {
 
 TEST(BodyLooks, TakeAWallForAStructureThatHidesWhatLiesBehind) {
   BodyLooks looks({});
-  const Ping ping = ping_of(fan(), 0);
-  EchoDecisions decisions = clear(ping);
+  const Ping ping = ping_of(level_fan(), 0);
+  EchoDecisions decisions = no_echoes(ping);
   for (int b = 30; b <= 90; ++b) {
-    const int bin = static_cast<int>(30 / cos(ping.fan->azimuth[b]) / kBin);  // 30 m ahead, 34 m long
+    const int bin = static_cast<int>(30 / cos(ping.fan->azimuth[b]) / kLookBin);  // 30 m ahead, 34 m long
     for (int k = 0; k < 3; ++k) decisions.set_hit(b, bin + k);
   }
-  echo(ping, decisions, {10, 16}, 1);
+  add_disc(ping, decisions, {14, 16}, 1);
   const BodyLook* look = looks.add(ping, decisions, Pose{});
   ASSERT_NE(look, nullptr);
   ASSERT_EQ(look->readings().size(), 1u);
-  EXPECT_LT((look->readings()[0].p_W - Vector2d(10, 16)).norm(), 0.2);
+  EXPECT_LT((look->readings()[0].p_W - Vector2d(14, 16)).norm(), 0.2);
   EXPECT_LT(look->detection({40, 0}), 0.5 * look->detection({20, 0}));
 }
 
 TEST(BodyLooks, FindAllEchoesOfABodyOfWhichAPartIsTouched) {
   BodyLooks looks({});
-  const Ping ping = ping_of(fan(), 0);
-  EchoDecisions decisions = clear(ping);
-  echo(ping, decisions, {30, 0}, 2);
-  echo(ping, decisions, {20, 15}, 2);
+  const Ping ping = ping_of(level_fan(), 0);
+  EchoDecisions decisions = no_echoes(ping);
+  add_disc(ping, decisions, {30, 0}, 2);
+  add_disc(ping, decisions, {20, 15}, 2);
   looks.add(ping, decisions, Pose{});
   std::vector<EchoBox> boxes;
   looks.find_bodies([](const Vector2d& p) { return (p - Vector2d(30, 1)).norm() < 0.6; }, boxes);
   int covered = 0, all = 0;
   for (int b = 0; b < ping.fan->beams(); ++b) {
-    for (int k = 0; k < kBins; ++k) {
+    for (int k = 0; k < kLookBins; ++k) {
       if (!decisions.hit(b, k) || abs(ping.fan->azimuth[b]) > Angle::degrees(15)) continue;
       ++all;
       covered += std::any_of(boxes.begin(), boxes.end(), [&](const EchoBox& box) {
@@ -137,10 +137,10 @@ TEST(BodyLooks, FindAllEchoesOfABodyOfWhichAPartIsTouched) {
 
 TEST(BodyLooks, LeaveOutWhatIsMoreThanTheyCanSort) {
   BodyLooks looks({});
-  const Ping ping = ping_of(fan(), 0);
-  EchoDecisions decisions = clear(ping);
+  const Ping ping = ping_of(level_fan(), 0);
+  EchoDecisions decisions = no_echoes(ping);
   for (int b = 0; b < ping.fan->beams(); ++b) {
-    for (int k = 0; k < kBins; k += 8) decisions.set_hit(b, k);  // 3630 runs in all, 30 a beam
+    for (int k = 0; k < kLookBins; k += 8) decisions.set_hit(b, k);  // 3630 runs in all, 30 a beam
   }
   EXPECT_NE(looks.add(ping, decisions, Pose{}), nullptr);
   EXPECT_EQ(looks.left_out(), 0u) << "only the runs of neighbouring beams are compared";

@@ -107,8 +107,19 @@ bool ObstacleMemory::add(const MemorySweep& sweep) {
   for (const Sighting& s : sightings) seen_as_[s.index] = take(s, view, sweep.time);
   drop_contained();
   for (Entry& e : entries_) look_again(e, sightings, view);
+  drop_moving(sweep);
   forget(sweep.time);
   return true;
+}
+
+/// What was stored of an obstacle before it was known to move: the entry of its number, and those that it lies on.
+void ObstacleMemory::drop_moving(const MemorySweep& sweep) {
+  for (const Obstacle& o : sweep.obstacles) {
+    if (!o.moves()) continue;
+    const Vector2d middle_W = (sweep.X_WL * Eigen::Vector3d(o.centre.x(), o.centre.y(), 0)).head<2>();
+    std::erase_if(entries_,
+                  [&](const Entry& e) { return e.seen.number == o.number || contains(e.seen.outline_W, middle_W); });
+  }
 }
 
 std::uint32_t ObstacleMemory::take(const Sighting& s, const View& view, Time time) {

@@ -6,6 +6,8 @@ namespace isobath {
 
 namespace {
 
+constexpr double kMovingExistence = 0.3;
+
 /// The outline in L with what the obstacle crosses from now on.
 Polygon outline_ahead(const Obstacle& obstacle, const Pose& X_WL, double ahead_s) {
   if (!obstacle.moves()) return obstacle.outline;
@@ -55,9 +57,11 @@ void FlsDetector::on(const Sweep& sweep, Outbox& out) {
   X_WL_seen_ = level(map.X_WB);
   seen_.clear();
   for (const Obstacle& o : map.obstacles) {
-    if (o.existence < config_.min_existence || o.outline.empty()) continue;
+    // The echoes of a moving obstacle reach no map: it counts until its track is improbable.
+    if (o.existence < (o.moves() ? kMovingExistence : config_.min_existence) || o.outline.empty()) continue;
     seen_.push_back({outline_ahead(o, X_WL_seen_, config_.moving_ahead_s), config_.margin_cells * map.cells.cell_m,
-                     HazardKind::kSeen, static_cast<std::uint32_t>(seen_.size()), o.number});
+                     o.moves() ? HazardKind::kMoving : HazardKind::kSeen, static_cast<std::uint32_t>(seen_.size()),
+                     o.number});
   }
   if (sweep.posed) remember(sweep);
   say_scan(map.time, X_WL_seen_, sweep.posed, out);

@@ -28,10 +28,14 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   const auto blocks = [&](const Hazard& h) {
     return h.kind != HazardKind::kFence && outline_distance(h, goal) < drop_distance();
   };
+  // A body that moves will have left the point; one that is near the vehicle is avoided.
+  std::erase_if(hazards, [&](const Hazard& h) {
+    return h.kind == HazardKind::kMoving && blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m;
+  });
   const Hazard* nearest = nullptr;
   bool sure = false;
   for (const Hazard& h : hazards) {
-    if (!blocks(h)) continue;
+    if (!blocks(h) || h.kind == HazardKind::kMoving) continue;
     sure = sure || is_certain(h.kind);
     if (nearest == nullptr || outline_distance(h, goal) < outline_distance(*nearest, goal)) nearest = &h;
   }

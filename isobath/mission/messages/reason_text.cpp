@@ -15,6 +15,8 @@ std::string text_of(const Hazard& hazard) {
     case HazardKind::kVoxels: return "an obstacle of the voxel map";
     case HazardKind::kFence: return "the fence";
     case HazardKind::kInjected: return "an injected obstacle";
+    case HazardKind::kMoving:
+      return numbered ? fmt::format("moving obstacle {}", hazard.obstacle) : "a moving obstacle";
   }
   return "";
 }

@@ -22,6 +22,9 @@ std::vector<Field> fields(BodyLooksConfig& c) {
       Field::real("max_size_m", &c.max_size_m, {0.1, 1000}, "m", "What is larger is a structure, which does not move."),
       Field::real("sector_deg", &c.sector_deg, {1, 90}, "deg", "Sector of a scanning head that is one look."),
       Field::real("range_sigma_m", &c.range_sigma_m, {0.001, 10}, "m", "Standard deviation of the range of a body."),
+      Field::real("position_sigma_m", &c.position_sigma_m, {0, 100}, "m",
+                  "Standard deviation of the own position from one look to the next."),
+      Field::degrees("heading_sigma_deg", &c.heading_sigma, {0, 90}, "The same of the own heading."),
       Field::real("centre_share", &c.centre_share, {0, 1}, "1",
                   "Variance of the centre of a body's echoes, as a share of the variance of the echoes about it."),
       Field::real("detection", &c.detection, {0.01, 0.999}, "1", "Probability that a look shows a body in view."),
@@ -228,13 +231,15 @@ void BodyLooks::read(const Cluster& c) {
   }
   if (c.echoes < config_.min_echoes) return;
   const double beams = std::clamp<double>(c.last_beam - c.first_beam + 1, 1, kBeamsOfCentre);
-  const double across = range * c.width_rad / kFwhm;
+  const double across = range * c.width_rad / kFwhm, turned = range * config_.heading_sigma.radians();
+  const double own = config_.position_sigma_m * config_.position_sigma_m;
   const Eigen::Vector2d along = range > 0 ? Eigen::Vector2d(centre / range) : Eigen::Vector2d(1, 0);
   const Eigen::Vector2d aside(-along.y(), along.x());
   BodyReading reading;
   reading.p_W = from_W_ + centre;
   reading.covariance = config_.range_sigma_m * config_.range_sigma_m * along * along.transpose() +
-                       across * across / beams * aside * aside.transpose() + config_.centre_share * scatter;
+                       (across * across / beams + turned * turned) * aside * aside.transpose() +
+                       own * Eigen::Matrix2d::Identity() + config_.centre_share * scatter;
   reading.scatter = scatter;
   reading.echoes = c.echoes;
   reading.age_s = to_seconds(last_ - begin_) - c.time_s / c.echoes;

@@ -11,7 +11,8 @@
 // echoes: its age is the time from there to the end of the sector.
 //
 // The centre of a body's echoes is uncertain by the width of a beam, and, since another part echoes each time, by
-// `centre_share` of the echoes' scatter. The error of the own position moves all readings alike and is not included.
+// `centre_share` of the echoes' scatter. The pose of a ping adds the part of its error that is new in each look; the
+// rest moves all readings alike.
 //
 // Frames and units: W (N, E), m, s; beams are projected to the level plane. Pings must be valid, decisions of their
 // size, poses finite. Bounded: of a ping with more than kMaxRuns runs of echoes the rest is left out and counted. One
@@ -35,6 +36,8 @@ struct BodyLooksConfig {
   double max_size_m = 25;
   double sector_deg = 15;
   double range_sigma_m = 0.1;
+  double position_sigma_m = 0.1;
+  Angle heading_sigma = Angle::degrees(0.5);
   double centre_share = 0.25;
   double detection = 0.7;
   double hidden = 0.25;
