@@ -5,6 +5,7 @@
 #include <isobath/studies/reciprocal_avoidance.hpp>
 #include <isobath/studies/traffic_study.hpp>
 #include <memory>
+#include <numbers>
 
 namespace isobath {
 namespace {
@@ -14,24 +15,25 @@ using Eigen::Vector2d;
 constexpr double kDeep_m = 0.1;
 constexpr int kNeighbours = 20;
 
-double free_time_s() { return (TrafficScene::goal().x() - TrafficScene::kArrival_m) / TrafficScene::kSpeed; }
-
 /// A vehicle in a scene, moved by one method.
 class TrafficRunner {
  public:
-  TrafficRunner(const TrafficRequest& request, TrafficMethod method) : method_(method) {
+  TrafficRunner(const TrafficRequest& request, TrafficMethod method) : request_(request), method_(method) {
     own_.speed = TrafficScene::kSpeed;
-    if (method == TrafficMethod::kPlanner) {
-      planner_ = std::make_unique<TrafficPlanner>(request.planner, request.vehicle);
+    if (method == TrafficMethod::kPlanner || method == TrafficMethod::kSearch) {
+      TrafficConfig config = request.planner;
+      config.roads = config.roads && method == TrafficMethod::kPlanner;
+      planner_ = std::make_unique<TrafficPlanner>(config, request.vehicle);
       planner_->set_goal(TrafficScene::goal(), TrafficScene::kArrival_m);
       own_.speed = request.vehicle.max_speed;
     }
   }
 
-  void step(const TrafficScene& scene, TrafficRun& run) {
-    scene.sense(own_.p_W, seen_);
+  void step(TrafficScene& scene, TrafficRun& run) {
+    scene.sense(own_.p_W, request_.reach_m, request_.known_map, seen_);
     switch (method_) {
-      case TrafficMethod::kPlanner: follow_plan(scene, run); break;
+      case TrafficMethod::kPlanner:
+      case TrafficMethod::kSearch: follow_plan(scene, run); break;
       case TrafficMethod::kStraight: move_by({TrafficScene::kSpeed, 0}); break;
       case TrafficMethod::kOrca: move_by(avoid(0.5)); break;
       case TrafficMethod::kOrcaFull: move_by(avoid(1)); break;
@@ -43,6 +45,14 @@ class TrafficRunner {
   void follow_plan(const TrafficScene& scene, TrafficRun& run) {
     const TrafficPlan& plan = planner_->step(own_, scene.now(), seen_);
     if (!plan.reason.empty()) ++run.steps_without_motion;
+    if (!plan.road_reason.empty()) ++run.steps_without_path;
+    if (plan.number != run.plans) {
+      run.plans = plan.number;
+      run.road_plans += plan.on_road;
+      run.mended += plan.mends;
+    }
+    run.refused_paths = planner_->road_work().refused_paths;
+    run.detail = planner_->road_work().detail;
     own_ = plan.trajectory.at(to_seconds(scene.now() - plan.start) + TrafficScene::kStep_s);
   }
   Vector2d avoid(double share) {
@@ -63,6 +73,7 @@ class TrafficRunner {
     if (own_.speed > 0) own_.heading = std::atan2(velocity.y(), velocity.x());
   }
 
+  const TrafficRequest& request_;
   TrafficMethod method_;
   MotionState own_;
   Vector2d velocity_ = Vector2d::Zero();
@@ -88,7 +99,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
     }
   });
   TrafficRow row{.method = method, .discs = discs, .max_speed = max_speed, .runs = request.runs};
-  std::vector<double> time, gap;
+  std::vector<double> time, gap, length;
   LatencyHistogram all;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const TrafficRun& run = runs[i];
@@ -97,12 +108,22 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
     row.arrived += run.arrived;
     row.without_motion += run.steps_without_motion > 0;
     if (run.least_gap_m < 0) row.contact_runs.push_back(request.first_run + static_cast<int>(i));
-    time.push_back(run.time_s / free_time_s());
+    row.without_path += run.steps_without_path > 0;
+    ++row.at_detail[static_cast<std::size_t>(run.detail)];
+    row.plans += run.plans;
+    row.road_plans += run.road_plans;
+    row.mended += run.mended;
+    row.refused_paths += run.refused_paths;
+    row.curvature_most = std::max(row.curvature_most, run.curvature);
+    time.push_back(run.time_s / run.free_time_s);
+    length.push_back(run.length_m / (run.free_time_s * TrafficScene::kSpeed));
     gap.push_back(run.least_gap_m);
     all.add(times[i]);
   }
   row.contact_share = wilson_interval(row.contacts, row.runs);
   row.deep_share = wilson_interval(row.deep_contacts, row.runs);
+  row.arrived_share = wilson_interval(row.arrived, row.runs);
+  row.length_median = quantile_of(length, 0.5);
   row.time_median = quantile_of(time, 0.5);
   row.time_p95 = quantile_of(time, 0.95);
   row.gap_median_m = quantile_of(gap, 0.5);
@@ -116,6 +137,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
 std::string to_text(TrafficMethod method) {
   switch (method) {
     case TrafficMethod::kPlanner: return "planner";
+    case TrafficMethod::kSearch: return "search";
     case TrafficMethod::kOrca: return "orca";
     case TrafficMethod::kOrcaFull: return "orca_full";
     case TrafficMethod::kStraight: break;
@@ -130,17 +152,31 @@ std::vector<Section> sections(TrafficRequest& request) {
 
 TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int run, int discs, double max_speed,
                        LatencyHistogram& times, bool keep_track) {
-  TrafficScene scene(run, discs, max_speed);
+  TrafficScene scene(request.scenery, run, discs, max_speed);
   TrafficRunner runner(request, method);
   TrafficRun result;
+  result.free_time_s = scene.free_time_s();
   result.least_gap_m = scene.gap(runner.own().p_W);
   const int steps = static_cast<int>(std::round(TrafficScene::kLimit_s / TrafficScene::kStep_s));
-  for (int step = 0; step < steps && !result.arrived; ++step) {
+  Vector2d rest = runner.own().p_W;
+  double rested_s = 0;
+  for (int step = 0; step < steps && !result.arrived && rested_s < TrafficScene::kRest_s; ++step) {
     if (keep_track) result.track.push_back({result.time_s, runner.own()});
+    const MotionState from = runner.own();
     const std::int64_t before = thread_nanoseconds();
     runner.step(scene, result);
     times.add(1e-6 * static_cast<double>(thread_nanoseconds() - before));
     scene.step();
+    rested_s += TrafficScene::kStep_s;
+    if ((runner.own().p_W - rest).norm() > TrafficScene::kRest_m) {
+      rest = runner.own().p_W;
+      rested_s = 0;
+    }
+    const double way_m = (runner.own().p_W - from.p_W).norm();
+    result.length_m += way_m;
+    const double turn = std::abs(std::remainder(runner.own().heading - from.heading, 2 * std::numbers::pi));
+    // In less than a centimetre the digits of the places count for more than the turn.
+    if (way_m > 0.01) result.curvature = std::max(result.curvature, turn / way_m / request.vehicle.max_curvature());
     result.time_s = (step + 1) * TrafficScene::kStep_s;
     result.least_gap_m = std::min(result.least_gap_m, scene.gap(runner.own().p_W));
     result.arrived = (TrafficScene::goal() - runner.own().p_W).norm() <= TrafficScene::kArrival_m;
@@ -150,6 +186,14 @@ TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int 
 }
 
 TrafficStudy study_traffic(const TrafficRequest& request) {
+  const bool has_structures = request.scenery != TrafficScenery::kOpen && request.scenery != TrafficScenery::kCrossing;
+  for (const TrafficMethod method : request.methods) {
+    if (has_structures && method != TrafficMethod::kPlanner && method != TrafficMethod::kSearch) {
+      throw Error("the method " + to_text(method) + " avoids discs only, and the scene " + to_text(request.scenery) +
+                      " has structures",
+                  {}, "planner or search");
+    }
+  }
   const TrafficPlanner checked(request.planner, request.vehicle);  // throws here, not on another thread
   TrafficStudy study;
   ThreadPool pool(request.threads);

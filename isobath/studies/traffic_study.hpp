@@ -2,9 +2,14 @@
 // a vehicle that turns and accelerates like one, and discs that move in any direction by optimal reciprocal collision
 // avoidance, or straight ahead (ledger S3-01, S3-D01).
 //
-// A run ends at the goal or after 400 s; a contact does not end it. Each method sees the discs within 50 m, with their
-// exact positions and velocities, and does not know that they are reflected. Results do not depend on the number of
-// threads; only the planning times do, which are processor time of the thread.
+// A run ends at the goal, after 400 s, or where the vehicle has stayed within 5 m for 60 s; a contact does not end it.
+// Each method sees the discs within its reach, with their exact positions and velocities, and does not know that they
+// are reflected. Structures that stand still are known from the start, or, in an unknown map, as far as they have been
+// within reach. Results do not depend on the number of threads; only the planning times do, which are processor time of
+// the thread.
+//
+// Times are divided by that of the shortest path past the still structures at full speed; without any, that straight
+// ahead.
 #pragma once
 
 #include <array>
@@ -20,19 +25,24 @@ namespace isobath {
 
 enum class TrafficMethod : std::uint8_t {
   kPlanner,   ///< TrafficPlanner
+  kSearch,    ///< TrafficPlanner without a road map
   kOrca,      ///< reciprocal avoidance with half of the responsibility
   kOrcaFull,  ///< with all of it, as the discs do not react
   kStraight,  ///< straight ahead
 };
-inline constexpr std::array kTrafficMethods = {TrafficMethod::kPlanner, TrafficMethod::kOrca, TrafficMethod::kOrcaFull,
-                                               TrafficMethod::kStraight};
-/// "planner", "orca", "orca_full", "straight".
+inline constexpr std::array kTrafficMethods = {TrafficMethod::kPlanner, TrafficMethod::kSearch, TrafficMethod::kOrca,
+                                               TrafficMethod::kOrcaFull, TrafficMethod::kStraight};
+/// "planner", "search", "orca", "orca_full", "straight".
 std::string to_text(TrafficMethod method);
 
 struct TrafficRequest {
+  TrafficScenery scenery = TrafficScenery::kOpen;
   std::vector<int> discs = {20, 50, 100};
   std::vector<double> max_speeds = {0.5, 1, 1.5};  ///< of the discs, m/s
-  std::vector<TrafficMethod> methods{kTrafficMethods.begin(), kTrafficMethods.end()};
+  std::vector<TrafficMethod> methods = {TrafficMethod::kPlanner, TrafficMethod::kOrca, TrafficMethod::kOrcaFull,
+                                        TrafficMethod::kStraight};
+  bool known_map = true;  ///< structures are known from the start
+  double reach_m = 50;    ///< of the sensors
   int runs = 500;
   int first_run = 0;
   int threads = 1;
@@ -50,11 +60,19 @@ struct TrafficMoment {
 };
 
 struct TrafficRun {
-  double time_s = 0;  ///< to the goal, or the limit
+  double time_s = 0;  ///< to the goal, or the end of the run
   bool arrived = false;
-  double least_gap_m = 0;            ///< below 0: contact
-  int steps_without_motion = 0;      ///< in which no free motion was found
-  std::vector<TrafficMoment> track;  ///< if it is asked for
+  double least_gap_m = 0;         ///< below 0: contact
+  double free_time_s = 0;         ///< along the shortest path past still structures
+  double length_m = 0;            ///< of the track
+  double curvature = 0;           ///< the greatest of the track, over the greatest that the vehicle can follow
+  int steps_without_motion = 0;   ///< in which no free motion was found
+  int steps_without_path = 0;     ///< in which the road map had no path or no motion along one
+  int plans = 0, road_plans = 0;  ///< all plans, and those along the road map
+  int mended = 0;                 ///< plans along the path before with other speeds
+  int refused_paths = 0;          ///< that do not bend as the vehicle needs
+  ShapeDetail detail = ShapeDetail::kEnclosure;  ///< the finest of any outline
+  std::vector<TrafficMoment> track;              ///< if it is asked for
 };
 
 TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int run, int discs, double max_speed,
@@ -65,8 +83,15 @@ struct TrafficRow {
   int discs = 0;
   double max_speed = 0;
   int runs = 0, contacts = 0, deep_contacts = 0, arrived = 0, without_motion = 0;
+  int without_path = 0;                          ///< runs with a step without a path or a motion along one
+  std::array<int, 3> at_detail = {};             ///< runs by the finest level of detail that they needed
+  int plans = 0, road_plans = 0, mended = 0;     ///< of all runs
+  int refused_paths = 0;                         ///< of all runs
   Interval contact_share = {}, deep_share = {};  ///< Wilson, 95 %
-  double time_median = 0, time_p95 = 0;          ///< over the free time
+  Interval arrived_share = {};                   ///< Wilson, 95 %
+  double time_median = 0, time_p95 = 0;          ///< over the free time, of all runs
+  double length_median = 0;                      ///< of the track over the shortest path
+  double curvature_most = 0;  ///< the greatest of all tracks, over the greatest that the vehicle can follow
   double gap_median_m = 0, gap_least_m = 0;
   std::vector<int> contact_runs = {};
   StageTime step = {};

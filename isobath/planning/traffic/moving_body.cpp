@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/planning/traffic/moving_body.hpp>
+#include <limits>
 
 namespace isobath {
 namespace {
@@ -8,6 +10,19 @@ namespace {
 double greatest_eigenvalue(const Eigen::Matrix2d& m) {
   const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1)), off = 0.5 * (m(0, 1) + m(1, 0));
   return mean + std::hypot(half, off);
+}
+
+/// From p to the border of a simple outline, negative inside. The exact inner_distance of polygon.hpp costs more.
+double outer_distance(const Polygon& outline, const Eigen::Vector2d& p) {
+  double least2 = std::numeric_limits<double>::infinity();
+  bool inside = false;
+  for (std::size_t i = 0, before = outline.size() - 1; i < outline.size(); before = i++) {
+    const Eigen::Vector2d &a = outline[before], &b = outline[i];
+    least2 = std::min(least2, (nearest_on_segment(a, b, p) - p).squaredNorm());
+    const bool spans = (a.y() > p.y()) != (b.y() > p.y());
+    if (spans && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+  }
+  return inside ? -std::sqrt(least2) : std::sqrt(least2);
 }
 
 }  // namespace
@@ -18,6 +33,11 @@ bool is_valid(const MovingBody& body) {
          std::isfinite(body.turn_rate) && std::ranges::all_of(body.outline, corner_is_finite) &&
          body.position_covariance.allFinite() && body.velocity_covariance.allFinite() &&
          body.position_covariance.diagonal().minCoeff() >= 0 && body.velocity_covariance.diagonal().minCoeff() >= 0;
+}
+
+bool is_still(const MovingBody& body, double speed) {
+  return body.velocity_W.norm() <= speed && body.turn_rate == 0 &&
+         body.velocity_covariance.diagonal().maxCoeff() <= speed * speed;
 }
 
 double circumscribed_radius(const MovingBody& body) {
@@ -37,9 +57,7 @@ double distance_to(const MovingBody& body, const Eigen::Vector2d& p_W, double ah
   if (body.outline.empty()) return from.norm() - body.radius_m;
   const double c = std::cos(body.turn_rate * ahead_s), s = std::sin(body.turn_rate * ahead_s);
   const Eigen::Vector2d p(c * from.x() + s * from.y(), c * from.y() - s * from.x());
-  if (body.outline.size() < 3) return distance_from(body.outline, p) - body.radius_m;
-  const double inside = inner_distance(body.outline, p);
-  return (inside > 0 ? -inside : distance_from(body.outline, p)) - body.radius_m;
+  return outer_distance(body.outline, p) - body.radius_m;
 }
 
 }  // namespace isobath

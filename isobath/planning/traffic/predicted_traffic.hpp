@@ -4,9 +4,11 @@
 // A piece of motion within one step is checked as its chord, flown at a constant speed: the relative motion of vehicle
 // and body is then linear, and its closest approach has a closed form. The true motion strays from the chord by at most
 // a t^2 / 8, a the greatest acceleration and t the duration; the caller states that bound. A body with an outline is
-// checked as its circumscribed disc first, then in shorter pieces, each by the distance at its middle less what the
-// relative motion can cover in half a piece. A motion that is called free keeps the stated distance; a free motion
-// within that bound of a body may be refused.
+// checked as its circumscribed disc first, then by the distance at the middle of the piece less what the relative
+// motion can cover in half of it, and where that does not decide in halves of it, down to 0.125 s. A motion that is
+// called free keeps the stated distance; a free motion within that bound of a body may be refused. Of a body with an
+// outline that does not move, each side is checked by itself, exactly, and once for all steps: long walls cost what is
+// near of them.
 //
 // Costs 60 us to build for 100 bodies and 30 steps, 15 ns a check; memory grows with bodies times steps.
 #pragma once
@@ -45,6 +47,13 @@ class PredictedTraffic {
   struct CellRange {
     int x0, x1, y0, y1;
   };
+  struct StillSide {
+    Eigen::Vector2d a_W, b_W;
+    double kept_m;
+  };
+  void build_sides(std::span<const MovingBody> bodies);
+  [[nodiscard]] CellRange cells_of(const StillSide& side) const;
+  [[nodiscard]] bool sides_are_clear(const Eigen::Vector2d& a_W, const Eigen::Vector2d& b_W) const;
   [[nodiscard]] int cell_of(double from_middle) const;
   [[nodiscard]] CellRange cells_of(std::size_t body, int step) const;
   [[nodiscard]] bool outline_is_free(std::size_t body, int step, double start_s, double duration_s,
@@ -56,7 +65,9 @@ class PredictedTraffic {
   std::vector<double> radius_, radius2_;         ///< by step and body: distance from the position that is kept
   std::vector<double> growth_;                   ///< by step and body
   std::vector<std::int32_t> first_, entries_;    ///< bodies of each cell of each step
-  int side_ = 1;                                 ///< cells along one side
+  std::vector<StillSide> sides_;
+  std::vector<std::int32_t> first_side_, side_entries_;  ///< sides of each cell
+  int side_ = 1;                                         ///< cells along one side
   mutable std::int64_t checks_ = 0;
 };
 

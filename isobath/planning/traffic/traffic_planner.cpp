@@ -12,7 +12,14 @@ namespace {
 constexpr double kOffPlan_m = 0.05, kOffPlanHeading = 0.02, kOffPlanSpeed = 0.05;
 constexpr double kGraze_m = 0.1;    ///< overlap that does no harm
 constexpr double kSameSpeed = 0.1;  ///< m/s; contacts at speeds as near as this are of equal harm
-constexpr int kOutlineParts = 4;    ///< of a chord, for a body that turns
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr int kOutlineParts = 4;  ///< of a chord, for a body that turns
+
+/// Paths keep one error of chords more than the search (TrafficPlanner::search), so that it can leave them.
+RoadRules road_rules(const TrafficConfig& c, const TrafficVehicle& vehicle, double chord_error_m) {
+  const double kept_m = vehicle.radius_m + c.margin_m + 4 * chord_error_m;
+  return {kept_m, c.still_speed, {c.search.horizon_s, c.search.clear_s, kept_m, c.sigmas, 0}};
+}
 
 bool state_is_finite(const MotionState& state) {
   return state.p_W.allFinite() && std::isfinite(state.heading) && std::isfinite(state.speed);
@@ -26,6 +33,9 @@ std::vector<Field> fields(TrafficConfig& c) {
       Field::real("sigmas", &c.sigmas, {0, 10}, "1", "Standard deviations by which predicted bodies grow."),
       Field::real("replan", &c.replan_s, {0, 60}, "s", "Time between searches while the plan stays free."),
       Field::real("gain", &c.gain_s, {0, 60}, "s", "Gain of arrival time for which a free plan is replaced."),
+      Field::flag("roads", &c.roads, "Whether a road map of still bodies leads past walls and out of dead ends."),
+      Field::real("still_speed", &c.still_speed, {0, 10}, "m/s",
+                  "Speed up to which a body belongs to the road map; a higher value plans paths past slow bodies."),
   };
   for (Field& field : fields(c.search)) all.push_back(std::move(field));
   return all;
@@ -44,7 +54,10 @@ std::string to_text(TrafficAction action) {
 }
 
 TrafficPlanner::TrafficPlanner(const TrafficConfig& config, const TrafficVehicle& vehicle)
-    : config_(config), vehicle_(vehicle), search_(config.search, vehicle) {
+    : config_(config),
+      vehicle_(vehicle),
+      search_(config.search, vehicle),
+      roads_(vehicle, road_rules(config, vehicle, search_.chord_error_m())) {
   if (!(vehicle.min_speed >= 0 && vehicle.min_speed < vehicle.max_speed)) {
     throw Error("the minimum speed of the vehicle is not below its maximum speed", {.key = "min_speed"},
                 fmt::format("0 .. {} m/s", vehicle.max_speed));
@@ -56,6 +69,7 @@ void TrafficPlanner::set_goal(const Eigen::Vector2d& goal_W, double arrival_m) {
   arrival_m_ = arrival_m;
   plan_.trajectory.segments.clear();
   searched_.reset();
+  roads_.set_goal(goal_W, arrival_m);
 }
 
 bool TrafficPlanner::on_plan(const MotionState& own, Time now) const {
@@ -77,12 +91,18 @@ void TrafficPlanner::sample(const Trajectory& motion, double from_s) const {
 
 TrafficPlanner::Approach TrafficPlanner::closest(const MovingBody& body, Time now) const {
   const double age_s = to_seconds(now - body.time);
+  const double shape_m = circumscribed_radius(body);
   Approach least{{body.number, 0, std::numeric_limits<double>::infinity()}, std::numeric_limits<double>::infinity(), 0};
   for (std::size_t k = 1; k < samples_.size(); ++k) {
     const auto& [from_s, p] = samples_[k - 1];
     const auto& [to_s, q] = samples_[k];
     const int parts = body.outline.empty() ? 1 : kOutlineParts;
     const double growth = predicted_growth(body, age_s + to_s, config_.sigmas) + vehicle_.radius_m;
+    if (!body.outline.empty()) {
+      const double far_m = (p - body.p_W - (age_s + from_s) * body.velocity_W).norm() - shape_m - growth;
+      const double moves_m = (q - p).norm() + (to_s - from_s) * body.velocity_W.norm();
+      if (far_m - moves_m > std::max(0.0, least.passage.gap_m)) continue;  // it cannot come nearer
+    }
     for (int part = 0; part < parts; ++part) {
       const double first = static_cast<double>(part) / parts, last = (part + 1.0) / parts;
       const double start_s = from_s + first * (to_s - from_s), end_s = from_s + last * (to_s - from_s);
@@ -123,7 +143,13 @@ std::vector<Passage> TrafficPlanner::passages(Time now, double within_m) const {
   return all;
 }
 
-bool TrafficPlanner::search(const MotionState& own, Time now, double margin_m) {
+std::optional<RoadMotion> TrafficPlanner::search_roads(const MotionState& own, Time now) {
+  if (!has_roads_) return std::nullopt;
+  roads_.find(own, now);
+  return roads_.motion(own, now);
+}
+
+bool TrafficPlanner::search(const MotionState& own, Time now, double margin_m, double before_s) {
   const double steps_s = search_.steps() * TrafficSearch::kStep_s;
   // The error of the chords counts three times: here, in the later checks of the plan, which have other chords, and as
   // their own error.
@@ -135,7 +161,7 @@ bool TrafficPlanner::search(const MotionState& own, Time now, double margin_m) {
                            .middle_W = own.p_W,
                            .half_side_m = vehicle_.max_speed * steps_s,
                            .piece_m = search_.piece_m()});
-  result_ = search_.search(traffic_, own, goal_W_, arrival_m_, found_);
+  result_ = search_.search(traffic_, own, goal_W_, arrival_m_, has_roads_ ? roads_.guide() : nullptr, before_s, found_);
   ++work_.searches;
   work_.expansions += result_.expansions;
   work_.checks += traffic_.checks();
@@ -149,12 +175,25 @@ void TrafficPlanner::take_found(Time now, double margin_m) {
   plan_.arrival_s = result_.arrival_s;
   plan_.free_s = result_.free_s;
   plan_.margin_m = margin_m;
+  plan_.on_road = plan_.mends = false;
   ++plan_.number;
   plan_.reason.clear();
 }
 
+bool TrafficPlanner::take_stop(const MotionState& own, Time now) {
+  if (vehicle_.min_speed > 0) return false;
+  found_.segments.clear();
+  found_.append(own, 0, -vehicle_.braking, own.speed / vehicle_.braking);
+  found_.append(own, 0, 0, config_.search.horizon_s);
+  if (worst_of(found_, now).passage.gap_m < config_.margin_m) return false;
+  result_ = {SearchEnd::kEscape, kNever, 0, 0};
+  take_found(now, config_.margin_m);
+  plan_.action = TrafficAction::kStop;
+  plan_.reason = "no path leads to the goal: " + plan_.road_reason;
+  return true;
+}
+
 TrafficPlanner::Approach TrafficPlanner::worst_of(const Trajectory& motion, Time now) const {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   sample(motion, 0);
   Approach worst{{0, 0, kNever}, kNever, 0};
   for (const MovingBody& body : bodies_) {
@@ -202,6 +241,7 @@ void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
   plan_.arrival_s = std::numeric_limits<double>::infinity();
   plan_.free_s = 0;
   plan_.margin_m = 0;
+  plan_.on_road = plan_.mends = false;
   ++plan_.number;
   plan_.reason = fmt::format("no motion keeps clear; {} comes nearest to body {}, {:.2f} m in {:.1f} s",
                              to_text(plan_.action), best.passage.number, best.passage.gap_m, best.passage.time_s);
@@ -219,20 +259,33 @@ const TrafficPlan& TrafficPlanner::step(const MotionState& own, Time now, std::s
     if (is_valid(body)) bodies_.push_back(body);
   }
   work_.refused_bodies = static_cast<int>(bodies.size() - bodies_.size());
+  has_roads_ = config_.roads && roads_.update(own, bodies_);
   const bool kept = on_plan(own, now) && plan_.reason.empty();
   const bool free = kept && plan_is_free(now, plan_.margin_m);
   const double since_s = kept ? to_seconds(now - plan_.start) : 0;
   const bool whole = plan_.action == TrafficAction::kFollow && plan_.margin_m == config_.margin_m;
   if (free && whole && searched_ && to_seconds(now - *searched_) < config_.replan_s - 1e-6) return plan_;
   searched_ = now;
+  const std::optional<RoadMotion> road = search_roads(own, now);
+  plan_.road_reason = has_roads_ ? roads_.reason() : std::string();
+  if (has_roads_ && roads_.is_shut() && take_stop(own, now)) return plan_;
   for (const double share : {1.0, 0.5, 0.0}) {
     const double margin_m = share * config_.margin_m;
     if (free && margin_m < plan_.margin_m) return plan_;
-    if (!search(own, now, margin_m)) continue;
+    const bool by_road = !search(own, now, margin_m, road ? road->arrival_s - config_.gain_s : kNever);
+    if (by_road && !road) continue;
+    if (by_road) result_ = {SearchEnd::kHorizon, road->arrival_s, road->free_s, 0};
     const bool better = result_.arrival_s < plan_.arrival_s - since_s - config_.gain_s;
     const bool as_far = result_.end == SearchEnd::kHorizon;
     const bool old = since_s > 0.5 * plan_.free_s;
-    if (!free || (as_far && (better || old || !whole)) || (!as_far && !whole)) take_found(now, margin_m);
+    if (free && !(as_far ? better || old || !whole : !whole)) return plan_;
+    if (by_road) found_ = road->trajectory;
+    take_found(now, margin_m);
+    if (by_road) {
+      plan_.on_road = true;
+      plan_.mends = road->mends;
+      roads_.follow();
+    }
     return plan_;
   }
   if (!free) take_least_harm(own, now);

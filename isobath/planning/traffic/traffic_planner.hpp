@@ -1,11 +1,16 @@
-// TrafficPlanner: motion to a goal among moving bodies, as a path with times and speeds, planned anew as it goes
-// (ledger S3-01, S3-18, S3-20 to S3-22, S3-30, S3-37).
+// TrafficPlanner: motion to a goal among moving bodies and still structures, as a path with times and speeds, planned
+// anew as it goes (ledger S3-01, S3-18 to S3-22, S3-26, S3-30, S3-37).
 //
 // Each step is given the vehicle's state and the bodies that its sensors know. The last plan is kept while it stays
 // free by the present prediction; a search (traffic_search.hpp) runs when it does not, and every `replan_s`. A free
 // plan is replaced only by one that arrives earlier by `gain_s`, or when half of its horizon has passed. Each plan ends
 // in an escape: at rest, or on a circle if the vehicle cannot stop. Where no motion keeps the margin, half of it and
 // none are tried; where that fails, the plan is the action of least harm, with the reason.
+//
+// Where bodies lie still, a road map of their outlines (traffic_roads.hpp) leads past walls and out of dead ends that
+// are larger than the horizon: the better one is taken of the best motion along its paths and of the motion that the
+// search finds with the path as its guide. Without still bodies the search goes for the goal itself. Where no path
+// leads to the goal, the vehicle stops where it is, with room to turn, and goes on when one does.
 //
 // The plan keeps `margin_m` from the shapes of all valid bodies, grown by k sigma at each time (S3-30), if they keep
 // their velocities. It does not promise a margin from bodies that it does not know or that turn. Times in seconds, m,
@@ -16,6 +21,7 @@
 // thread at a time.
 #pragma once
 
+#include <isobath/planning/traffic/traffic_roads.hpp>
 #include <isobath/planning/traffic/traffic_search.hpp>
 #include <string>
 
@@ -26,6 +32,8 @@ struct TrafficConfig {
   double sigmas = 3;
   double replan_s = 0.5;
   double gain_s = 0.2;
+  bool roads = true;          ///< whether there is a road map of what lies still
+  double still_speed = 0.05;  ///< m/s, of bodies that the road map holds
   TrafficSearchConfig search;
 };
 
@@ -34,7 +42,7 @@ std::vector<Field> fields(TrafficConfig& config);
 enum class TrafficAction : std::uint8_t {
   kFollow,   ///< a free motion to the horizon, or to the goal
   kEvade,    ///< a free motion that ends in an escape before the horizon
-  kStop,     ///< no free motion: brake
+  kStop,     ///< no free motion, or no path to the goal: brake
   kRetreat,  ///< no free motion: turn away
   kHold,     ///< no free motion: keep the speed
   kRefuse,   ///< the vehicle's state or the goal is not finite; there is no trajectory
@@ -52,11 +60,14 @@ struct TrafficPlan {
   TrafficAction action = TrafficAction::kRefuse;
   Trajectory trajectory;  ///< from `start` on, with the escape at its end
   Time start{};
-  double arrival_s = 0;  ///< from the start; beyond the horizon in open water
-  double free_s = 0;     ///< from the start: time before the escape
-  double margin_m = 0;   ///< that the search kept: the configured one, half of it, or 0
-  int number = 0;        ///< rises by one with each new plan (S3-21)
-  std::string reason;    ///< why there is no free motion; else empty
+  double arrival_s = 0;     ///< from the start; beyond the horizon in open water
+  double free_s = 0;        ///< from the start: time before the escape
+  double margin_m = 0;      ///< that the search kept: the configured one, half of it, or 0
+  int number = 0;           ///< rises by one with each new plan (S3-21)
+  std::string reason;       ///< why there is no free motion; else empty
+  bool on_road = false;     ///< it follows a path of the road map; else the search found it
+  bool mends = false;       ///< it follows the path of the plan before with other speeds (S3-19)
+  std::string road_reason;  ///< why no path of the road map leads to the goal; else empty (S3-37)
 };
 
 /// Work of one step.
@@ -79,6 +90,8 @@ class TrafficPlanner {
 
   [[nodiscard]] const TrafficPlan& plan() const { return plan_; }
   [[nodiscard]] const TrafficWork& work() const { return work_; }
+  /// Since the goal was set.
+  [[nodiscard]] const RoadWork& road_work() const { return roads_.work(); }
   /// Bodies of the last step that the plan passes within `within_m`, by time.
   [[nodiscard]] std::vector<Passage> passages(Time now, double within_m) const;
 
@@ -94,13 +107,20 @@ class TrafficPlanner {
   /// The closest passage and the first contact of a motion that starts now.
   [[nodiscard]] Approach worst_of(const Trajectory& motion, Time now) const;
   [[nodiscard]] bool plan_is_free(Time now, double margin_m) const;
-  bool search(const MotionState& own, Time now, double margin_m);
+  /// The best motion along the road map, at the full margin.
+  std::optional<RoadMotion> search_roads(const MotionState& own, Time now);
+  /// A motion that arrives before a time.
+  bool search(const MotionState& own, Time now, double margin_m, double before_s);
   void take_found(Time now, double margin_m);
+  /// To rest straight ahead, if that keeps the margin.
+  bool take_stop(const MotionState& own, Time now);
   void take_least_harm(const MotionState& own, Time now);
 
   TrafficConfig config_;
   TrafficVehicle vehicle_;
   TrafficSearch search_;
+  TrafficRoads roads_;
+  bool has_roads_ = false;  ///< in this step
   PredictedTraffic traffic_;
   Eigen::Vector2d goal_W_ = Eigen::Vector2d::Zero();
   double arrival_m_ = 0;

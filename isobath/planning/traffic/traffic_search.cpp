@@ -50,11 +50,33 @@ double TrafficSearch::chord_error_m() const {
   return std::hypot(aside, std::max(vehicle_.acceleration, vehicle_.braking)) * piece_s * piece_s / 8;
 }
 
-double TrafficSearch::arrival_of(const MotionState& state, int step) const {
-  const auto direct = direct_motion(vehicle_, state, goal_W_, arrival_m_);
+bool TrafficSearch::goes_to_goal(int corner) const {
+  return guide_ == nullptr || corner + 1 == static_cast<int>(guide_->corners_W.size());
+}
+
+std::optional<DirectMotion> TrafficSearch::direct_to(const MotionState& state, int corner) const {
+  if (goes_to_goal(corner)) return direct_motion(vehicle_, state, goal_W_, arrival_m_);
+  return direct_motion(vehicle_, state, guide_->corners_W[corner], 0);
+}
+
+int TrafficSearch::corner_from(const MotionState& state, int corner) const {
+  while (!goes_to_goal(corner) && guide_->still->is_free(state.p_W, guide_->corners_W[corner + 1])) ++corner;
+  return corner;
+}
+
+double TrafficSearch::arrival_of(const MotionState& state, int step, int corner) const {
+  const auto direct = direct_to(state, corner);
+  const double before = step * kStep_s;
+  if (!goes_to_goal(corner)) {
+    // Within the turning circle of a corner the vehicle need not go round: it passes the corner beside it.
+    const double to_corner_s = (guide_->corners_W[corner] - state.p_W).norm() / vehicle_.max_speed;
+    const double half_turn_s = pi / vehicle_.max_curvature() / vehicle_.max_speed;
+    const double direct_s = direct ? direct->arrival_s : to_corner_s + half_turn_s;
+    return before + std::min(direct_s, to_corner_s + half_turn_s) + guide_->rest_m[corner] / vehicle_.max_speed;
+  }
   // The goal lies within the turning circle: the vehicle must go away first.
   const double around = 2 * pi / vehicle_.max_curvature() / vehicle_.max_speed;
-  return step * kStep_s + (direct ? direct->arrival_s : around);
+  return before + (direct ? direct->arrival_s : around);
 }
 
 TrafficSearch::Slot& TrafficSearch::slot_of(const Node& node) {
@@ -86,8 +108,7 @@ bool TrafficSearch::arc_is_free(const Node& from, const Node& to) const {
 
 bool TrafficSearch::is_direct(const Node& from, const Node& to) const {
   const bool fastest = to.acceleration >= 0 && (to.acceleration > 0 || from.state.speed >= vehicle_.max_speed - 1e-9);
-  const auto direct = fastest && to.curvature == 0 ? direct_motion(vehicle_, from.state, goal_W_, arrival_m_)
-                                                   : std::optional<DirectMotion>();
+  const auto direct = fastest && to.curvature == 0 ? direct_to(from.state, from.corner) : std::optional<DirectMotion>();
   return direct && direct->arc_m < 1e-9;
 }
 
@@ -122,13 +143,14 @@ void TrafficSearch::expand(int index) {
     const bool moves = from.state.speed + speed > 1e-9;
     for (const double share : {0.0, -0.5, 0.5, -1.0, 1.0}) {
       if (share != 0 && !moves) break;
-      Node to{{}, 0, index, from.step + 1, share * vehicle_.max_curvature(), acceleration, false};
+      Node to{{}, 0, index, from.step + 1, share * vehicle_.max_curvature(), acceleration, false, 0};
       to.state = MotionSegment{0, kStep_s, from.state, to.curvature, acceleration}.after(kStep_s);
-      to.arrival_s = arrival_of(to.state, to.step);
+      to.corner = corner_from(to.state, from.corner);
+      to.arrival_s = arrival_of(to.state, to.step, to.corner);
       Slot& slot = slot_of(to);
       if (slot.node >= 0 && nodes_[slot.node].arrival_s <= to.arrival_s) continue;
       if (!arc_is_free(from, to)) continue;
-      to.direct_meets = from.direct_meets && is_direct(from, to);
+      to.direct_meets = from.direct_meets && to.corner == from.corner && is_direct(from, to);
       slot.node = static_cast<int>(nodes_.size());
       add(to);
     }
@@ -136,10 +158,11 @@ void TrafficSearch::expand(int index) {
 }
 
 int TrafficSearch::free_direct(const Node& node, DirectMotion& motion) const {
-  const auto direct = direct_motion(vehicle_, node.state, goal_W_, arrival_m_);
+  const auto direct = direct_to(node.state, node.corner);
   if (!direct) return 0;
   motion = *direct;
   const int steps = static_cast<int>(std::ceil(direct->arrival_s / kStep_s));
+  if (!goes_to_goal(node.corner) && node.step + steps <= horizon_) return 0;  // from the corner it must go on
   const int last = std::min(horizon_, node.step + std::max(1, steps));
   const double piece_s = kStep_s / kPieces;
   Eigen::Vector2d a = node.state.p_W;
@@ -225,10 +248,11 @@ int TrafficSearch::roll(int index, double curvature, double wish) {
   const Node from = nodes_[index];
   if (from.step >= horizon_) return -1;
   const double speed = reachable_speed(from.state.speed, wish);
-  Node to{{}, 0, index, from.step + 1, curvature, (speed - from.state.speed) / kStep_s, false};
+  Node to{{}, 0, index, from.step + 1, curvature, (speed - from.state.speed) / kStep_s, false, 0};
   to.state = MotionSegment{0, kStep_s, from.state, curvature, to.acceleration}.after(kStep_s);
   if (!arc_is_free(from, to)) return -1;
-  to.arrival_s = arrival_of(to.state, to.step);
+  to.corner = corner_from(to.state, from.corner);
+  to.arrival_s = arrival_of(to.state, to.step, to.corner);
   add(to);
   const int added = static_cast<int>(nodes_.size()) - 1;
   try_finish(added);
@@ -275,7 +299,8 @@ void TrafficSearch::fall_back(TrafficSearchResult& result, Trajectory& motion) {
 }
 
 TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const MotionState& start,
-                                          const Eigen::Vector2d& goal_W, double arrival_m, Trajectory& motion) {
+                                          const Eigen::Vector2d& goal_W, double arrival_m, const TrafficGuide* guide,
+                                          double before_s, Trajectory& motion) {
   traffic_ = &traffic;
   goal_W_ = goal_W;
   arrival_m_ = arrival_m;
@@ -283,13 +308,16 @@ TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const
   nodes_.clear();
   open_.clear();
   reward_ = config_.depth_reward;
-  add({start, arrival_of(start, 0), -1, 0, 0, 0, false});
+  guide_ = guide;
+  const int corner = corner_from(start, 0);
+  add({start, arrival_of(start, 0, corner), -1, 0, 0, 0, false, corner});
   TrafficSearchResult result;
   // The table must never fill: each expansion adds at most 15 slots.
   const int bound = std::min(config_.max_expansions, static_cast<int>(kSlots / 16));
-  best_ = {0, 0, std::numeric_limits<double>::infinity(), 0, {}};
+  best_ = {0, 0, before_s, 0, {}};
+  const bool is_limited = before_s < std::numeric_limits<double>::infinity();
   const auto found = [this] { return best_.last > 0; };
-  while (!open_.empty() && result.expansions < (found() ? bound / 2 : bound)) {
+  while (!open_.empty() && result.expansions < (found() || is_limited ? bound / 2 : bound)) {
     std::ranges::pop_heap(open_, later);
     const int node = open_.back().node;
     open_.pop_back();
@@ -302,7 +330,7 @@ TrafficSearchResult TrafficSearch::search(const PredictedTraffic& traffic, const
   }
   if (found()) {
     write_best(result, motion);
-  } else {
+  } else if (!is_limited) {
     fall_back(result, motion);
   }
   return result;

@@ -12,10 +12,15 @@
 // and at the bound the motion that stays free longest and ends in an escape is taken. No clock is read: the result
 // depends on the input alone.
 //
+// With a guide (the corners of a path past what lies still) the goal of a node is the corner that its predecessor goes
+// to, or the first later one from which another corner or the goal is in sight; its time of arrival counts the rest of
+// the path at full speed. So the search is not drawn into dead ends that are larger than its horizon (S3-22, S3-26).
+//
 // Without reward the motion found is the fastest of those that consist of the arcs and one direct motion, up to the
 // merging of cells; a reward of w per second makes it later by at most w times the horizon.
 #pragma once
 
+#include <isobath/planning/roadmap/grown_obstacles.hpp>
 #include <isobath/planning/traffic/predicted_traffic.hpp>
 #include <isobath/planning/traffic/vehicle_motion.hpp>
 
@@ -43,6 +48,13 @@ struct TrafficSearchResult {
   int expansions = 0;
 };
 
+/// A path past what lies still, for the cost beyond the horizon.
+struct TrafficGuide {
+  std::vector<Eigen::Vector2d> corners_W;  ///< after the start; the last one is the goal
+  std::vector<double> rest_m;              ///< along the path from each corner to the goal
+  const GrownObstacles* still = nullptr;   ///< that hide a corner from a place
+};
+
 /// Keeps its memory from search to search. One thread at a time.
 class TrafficSearch {
  public:
@@ -58,9 +70,11 @@ class TrafficSearch {
   /// Length of the longest chord, m.
   [[nodiscard]] double piece_m() const { return vehicle_.max_speed * kStep_s / kPieces; }
 
-  /// `traffic` must have been built for `steps()` steps of kStep_s. Writes the motion, with the escape at its end.
+  /// `traffic` must have been built for `steps()` steps of kStep_s. Writes the motion, with the escape at its end. The
+  /// goal of a guide, if one is given, is `goal_W`. Only motions are looked for that arrive before `before_s`; if that
+  /// is finite, half of the expansions are spent on them at most, and a motion that ends before the horizon is none.
   TrafficSearchResult search(const PredictedTraffic& traffic, const MotionState& start, const Eigen::Vector2d& goal_W,
-                             double arrival_m, Trajectory& motion);
+                             double arrival_m, const TrafficGuide* guide, double before_s, Trajectory& motion);
 
  private:
   struct Node {
@@ -69,6 +83,7 @@ class TrafficSearch {
     int parent, step;
     double curvature, acceleration;  ///< of the arc that leads to it
     bool direct_meets = false;       ///< the direct motion from here meets a body
+    int corner = 0;                  ///< of the guide, to which it goes
   };
   struct Open {
     double priority;
@@ -92,7 +107,12 @@ class TrafficSearch {
   /// The curvature of an escape from a state at a step, if one stays clear.
   [[nodiscard]] std::optional<double> escape(const MotionState& state, int step) const;
   void append_escape(double curvature, Trajectory& motion) const;
-  [[nodiscard]] double arrival_of(const MotionState& state, int step) const;
+  /// The direct motion to the goal, or to a corner of the guide.
+  [[nodiscard]] std::optional<DirectMotion> direct_to(const MotionState& state, int corner) const;
+  /// The last corner of the guide that is in sight, from the given one on.
+  [[nodiscard]] int corner_from(const MotionState& state, int corner) const;
+  [[nodiscard]] bool goes_to_goal(int corner) const;
+  [[nodiscard]] double arrival_of(const MotionState& state, int step, int corner) const;
   Slot& slot_of(const Node& node);
   void write(int node, Trajectory& motion) const;
   /// A motion that is free up to the horizon or the goal: node, direct motion, escape.
@@ -117,6 +137,7 @@ class TrafficSearch {
   const PredictedTraffic* traffic_ = nullptr;
   Eigen::Vector2d goal_W_ = Eigen::Vector2d::Zero();
   double arrival_m_ = 0, reward_ = 0;
+  const TrafficGuide* guide_ = nullptr;
   std::vector<Node> nodes_;
   std::vector<Open> open_;
   std::vector<Slot> slots_;
