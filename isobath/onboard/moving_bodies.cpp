@@ -58,13 +58,15 @@ BodyLooks& MovingBodies::looks_of(const Ping& ping) {
   return heads_.emplace_back(Head{ping.X_BS, BodyLooks(config_.looks)}).looks;
 }
 
-void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
+void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
+                        const std::optional<Water>& water) {
   if (!config_.on) return;
+  own_W_ = X_WB.translation.head<2>();
   BodyLooks& looks = looks_of(ping);
   const BodyLook* look = looks.add(ping, decisions, X_WB);
   if (look && tracker_.update(look->time(), look->readings(), *look)) {
     time_ = look->time();
-    judge();
+    judge(water);
   }
   boxes_.clear();
   for_each_moving([&](const BodyTrack& track) {
@@ -79,10 +81,15 @@ MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) co
   const double sigma = std::sqrt(greatest(e.covariance.topLeftCorner<2, 2>()));
   const double grown = config_.margin_m + kSigmas * std::min(sigma, config_.max_sigma_m);
   return {e.mean.head<2>() + ahead_s * e.mean.segment<2>(2),
-          kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity()};
+          kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity(), own_W_};
 }
 
-bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body) const {
+bool MovingBodies::Water::is_free(const Eigen::Vector2d& p_W) const {
+  const auto cell = grid.cell_at(level_body(level(X_WB).inverse(), p_W));
+  return cell && grid.is_free(*cell);
+}
+
+bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, const Water& water) const {
   if (static_cast<int>(track.readings) < config_.min_readings || body.trail.empty()) return false;
   if (track.filter.probability(MotionFilter::kStill) > config_.max_still) return false;
   const MotionFilter::Estimate e = track.filter.estimate();
@@ -90,7 +97,12 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body) cons
   const double sigma = std::sqrt(greatest(e.covariance.block<2, 2>(2, 2)));
   if (sigma > config_.max_speed_sigma || velocity.norm() < std::max(config_.min_speed, kSignificant * sigma))
     return false;
-  return !body.trail.front().contains(e.mean.head<2>());
+  const Place& then = body.trail.front();
+  const Eigen::Vector2d now_W = e.mean.head<2>();
+  if (then.contains(now_W) || then.contains(now_W - own_W_ + then.own_W)) return false;
+  const Eigen::Vector2d along = velocity.normalized();
+  const double half = kSigmas * std::sqrt(std::max(along.dot(track.extent * along), 0.0));
+  return water.is_free(now_W + (half + config_.margin_m + water.grid.cells().cell_m) * along);
 }
 
 bool MovingBodies::lies_still(const BodyTrack& track) const {
@@ -110,7 +122,7 @@ MovingBodies::Counts MovingBodies::counts() const {
 }
 
 /// Which tracks move now.
-void MovingBodies::judge() {
+void MovingBodies::judge(const std::optional<Water>& water) {
   const auto tracks = tracker_.tracks();
   const auto number = [](const BodyTrack& track) { return track.number; };
   std::erase_if(bodies_, [&](const auto& body) {
@@ -129,7 +141,7 @@ void MovingBodies::judge() {
     }
     if (body.moves) {
       body.moves = !lies_still(track);
-    } else if (begins_to_move(track, body)) {
+    } else if (water && begins_to_move(track, body, *water)) {
       body.moves = true;
       ++ended_.moving;
     }
@@ -145,6 +157,11 @@ void MovingBodies::leave_trail(Body& body, const BodyTrack& track) {
   for (auto place = left; place != body.trail.end(); ++place) wakes_.push_back({*place, time_});
   if (wakes_.size() > kWakes) wakes_.erase(wakes_.begin(), wakes_.end() - static_cast<std::ptrdiff_t>(kWakes));
   body.trail.erase(left, body.trail.end());
+}
+
+void MovingBodies::Place::move(const Eigen::Vector2d& by_W) {
+  centre_W += by_W;
+  own_W += by_W;
 }
 
 bool MovingBodies::Place::contains(const Eigen::Vector2d& p_W) const {
@@ -274,9 +291,9 @@ std::vector<Obstacle> MovingBodies::obstacles(Time time, const Pose& X_WB) const
 void MovingBodies::shift(const Eigen::Vector2d& by_W) {
   tracker_.shift(by_W);
   for (auto& [number, body] : bodies_) {
-    for (Place& place : body.trail) place.centre_W += by_W;
+    for (Place& place : body.trail) place.move(by_W);
   }
-  for (Wake& wake : wakes_) wake.place.centre_W += by_W;
+  for (Wake& wake : wakes_) wake.place.move(by_W);
 }
 
 void MovingBodies::restart() {

@@ -2,8 +2,10 @@
 // that move (Rodin, Amin c. 1988, 2.1; ledger S3-04, S3-15, S3-21).
 //
 // Each ping gives readings of bodies (body_looks.hpp), which a tracker takes (body_tracker.hpp). A confirmed track
-// moves if it is improbable that it lies still, its speed is well known and at least `min_speed`, and it has left the
-// place where it was first read by more than its size. It stays so until it probably lies still.
+// moves if it is improbable that it lies still, its speed is well known and at least `min_speed`, it has left, by more
+// than its size, the place where it was read some time ago (kTrail readings at most), in the world and as seen from the
+// vehicle, and the grid knows the water ahead of it as free. Reverberation goes along with the vehicle, and the glint
+// on a hull slides along the hull. It stays so until it probably lies still.
 //
 // Maps take the world for still. So the echoes of a body that moves go to its track: `withhold` makes their bins ones
 // without information, for all maps. The maps clear the water behind it by the pings that pass through. What a map took
@@ -19,6 +21,7 @@
 #include <isobath/map/occupancy/obstacle.hpp>
 #include <isobath/perception/tracking/body_looks.hpp>
 #include <map>
+#include <optional>
 
 namespace isobath {
 
@@ -45,8 +48,16 @@ class MovingBodies {
 
   explicit MovingBodies(const MovingBodiesConfig& config);
 
-  /// Takes the echoes of a ping that lies flat.
-  void look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
+  /// The grid before a ping, and its pose.
+  struct Water {
+    const BodyGrid& grid;
+    Pose X_WB;
+
+    /// Whether the grid knows a place of W as free.
+    [[nodiscard]] bool is_free(const Eigen::Vector2d& p_W) const;
+  };
+  /// Takes the echoes of a ping that lies flat. Without a grid nothing is found to move.
+  void look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, const std::optional<Water>& water);
   /// Takes the echoes of moving bodies out of decisions of the ping that was looked at last: those in the place of a
   /// body, and those joined to them. Returns their number.
   int withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& decisions) const;
@@ -75,8 +86,10 @@ class MovingBodies {
   struct Place {
     Eigen::Vector2d centre_W;
     Eigen::Matrix2d shape;
+    Eigen::Vector2d own_W;  ///< where the vehicle was then
 
     [[nodiscard]] bool contains(const Eigen::Vector2d& p_W) const;
+    void move(const Eigen::Vector2d& by_W);
   };
   struct Body {
     std::vector<Place> trail;  ///< where it was read; of a moving body: where it still may be
@@ -94,10 +107,10 @@ class MovingBodies {
   };
   static void add_to(Counts& counts, const Body& body);
   BodyLooks& looks_of(const Ping& ping);
-  void judge();
+  void judge(const std::optional<Water>& water);
   void leave_trail(Body& body, const BodyTrack& track);
   static int withhold_box(const Ping& ping, const EchoBox& box, EchoDecisions& decisions);
-  [[nodiscard]] bool begins_to_move(const BodyTrack& track, const Body& body) const;
+  [[nodiscard]] bool begins_to_move(const BodyTrack& track, const Body& body, const Water& water) const;
   [[nodiscard]] bool lies_still(const BodyTrack& track) const;
   [[nodiscard]] Place place_of(const BodyTrack& track, Time time) const;
   template <class Use>
@@ -107,6 +120,7 @@ class MovingBodies {
   std::vector<Head> heads_;  ///< one a sonar
   BodyTracker tracker_;
   Time time_{};
+  Eigen::Vector2d own_W_ = Eigen::Vector2d::Zero();
   std::map<std::uint32_t, Body> bodies_;  ///< confirmed ones, by the number of the track
   std::vector<Wake> wakes_;               ///< that moving bodies have left, oldest first
   std::vector<EchoBox> boxes_;            ///< of moving bodies in the last ping

@@ -161,7 +161,9 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
 
 /// Tracks the bodies, and takes the echoes of those that move out of the decisions, so that no map keeps them.
 void Pipeline::take_bodies(const Ping& ping, EchoDecisions& decisions, FanLooks* looks, const Pose& X_WB) {
-  bodies_.look(looks ? looks->ping : ping, looks ? looks->decisions : decisions, X_WB);
+  std::optional<MovingBodies::Water> water;
+  if (mapper_ && last_) water.emplace(MovingBodies::Water{mapper_->grid(), last_->from.X_WB});
+  bodies_.look(looks ? looks->ping : ping, looks ? looks->decisions : decisions, X_WB, water);
   counts_.of_moving += bodies_.withhold(ping, X_WB, decisions);
   if (looks) bodies_.withhold(looks->ping, X_WB, looks->decisions);
 }

@@ -68,7 +68,7 @@ double course_deg(const ObstacleMotion& motion) {
 ordered_json motion_json(const ObstacleMotion& motion) {
   const Eigen::Matrix2d& c = motion.velocity_covariance;
   return {{"track", motion.track},
-          {"speed_m_s", tidy(motion.velocity_W.norm())},
+          {"speed", tidy(motion.velocity_W.norm())},
           {"course_deg", tidy(course_deg(motion))},
           {"velocity_covariance", {tidy(c(0, 0)), tidy(c(0, 1)), tidy(c(1, 1))}}};
 }
@@ -140,7 +140,7 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
                           {"possible_multiple", o.possible_multiple},
                           {"label", to_text(o.label)}};
     if (o.moves()) {
-      feature.properties.emplace_back("speed_m_s", tidy(o.motion.velocity_W.norm()));
+      feature.properties.emplace_back("speed", tidy(o.motion.velocity_W.norm()));
       feature.properties.emplace_back("course_deg", tidy(course_deg(o.motion)));
     }
     features.push_back(std::move(feature));

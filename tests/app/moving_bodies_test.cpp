@@ -29,7 +29,7 @@ TEST(MovingBodies, CrossWithTheirVelocitiesAndLeaveNoTrail) {
     for (const auto& o : scan["obstacles"]) {
       if (!o.contains("motion")) continue;
       ++seen;
-      const double speed = o["motion"]["speed_m_s"], course = o["motion"]["course_deg"];
+      const double speed = o["motion"]["speed"], course = o["motion"]["course_deg"];
       right += std::abs(speed - 60.0 / 45) < 0.4 && std::abs(course - 270) < 15 ? 1 : 0;
     }
   }

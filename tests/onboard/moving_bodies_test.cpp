@@ -14,7 +14,12 @@ constexpr double kLookBin = 0.25, kLookRate = 5;  // m; pings a second
 /// A vehicle with a fan of 120 degrees in water with round bodies, which echo with a probability of 0.7 a bin.
 class Water {
  public:
-  explicit Water(std::uint64_t seed, bool on = true) : random_(seed) {
+  /// `free`: whether the grid knows all water to be free.
+  explicit Water(std::uint64_t seed, bool on = true, bool free = true)
+      : random_(seed), grid_(BodyGridConfig{.cells_x = 130, .cells_y = 130}) {
+    for (int x = 0; free && x < 130; ++x) {
+      for (int y = 0; y < 130; ++y) grid_.set_probability({x, y}, 1e-3);
+    }
     MovingBodiesConfig config;
     config.on = on;
     bodies_ = std::make_unique<MovingBodies>(config);
@@ -40,7 +45,7 @@ class Water {
       }
     }
     X_WB_.translation = {error_W.x(), error_W.y(), 0};
-    bodies_->look(ping_, decisions_, X_WB_);
+    bodies_->look(ping_, decisions_, X_WB_, MovingBodies::Water{grid_, X_WB_});
     withheld_ = bodies_->withhold(ping_, X_WB_, decisions_);
   }
   /// Echoes that the maps get within `radius` of a place as it is seen.
@@ -60,6 +65,7 @@ class Water {
 
  private:
   Random random_;
+  BodyGrid grid_;
   std::unique_ptr<MovingBodies> bodies_;
   Ping ping_;
   EchoDecisions decisions_;
@@ -127,6 +133,16 @@ TEST(MovingBodies, FollowAJumpOfThePositionWithoutAChangeOfVelocity) {
   ASSERT_EQ(moving.size(), 1u);
   EXPECT_LT((moving[0].motion.velocity_W - Vector2d(0, 0.8)).norm(), 0.2);
   EXPECT_LT((moving[0].centre - p).norm(), 0.6) << "in the vehicle's own frame";
+}
+
+// The glint on a hull slides along the hull as the vehicle passes: into water that was never seen to be free.
+TEST(MovingBodies, EnterWaterThatIsKnownToBeFree) {
+  Water water(3, true, false);
+  Vector2d p(30, -15);
+  for (int k = 0; k < 75; ++k, p.y() += 1.0 / kLookRate) water.ping(std::array{Water::Disc{p}});
+  EXPECT_EQ(water.bodies().counts().confirmed, 1u);
+  EXPECT_EQ(water.bodies().counts().moving, 0u);
+  EXPECT_GT(water.echoes_near(p, 1.2), 0);
 }
 
 TEST(MovingBodies, AreNotLookedForWhereTheyAreSwitchedOff) {
