@@ -29,8 +29,8 @@ struct MovingBodiesConfig {
   bool on = true;
   double min_speed = 0.15;
   double max_still = 0.01;
-  double max_speed_sigma = 0.15;
-  int min_readings = 8;
+  double max_speed_sigma = 0.2;
+  int min_readings = 15;
   double margin_m = 0.5;
   double max_sigma_m = 3;
   BodyLooksConfig looks;

@@ -10,9 +10,9 @@
 //
 // Walls are slabs: an infinitely thin sheet seen edge-on would return no echo.
 //
-// Traffic: `moving` upright discs of radius `moving_radius_m`, each with a constant speed of up to `moving_speed` in any
-// direction. They go through each other and through the still bodies, turn back at the sides of the field, and do not
-// react to the vehicle. At the start all keep `free_m` away from it. Times are those of the scene.
+// Traffic: `moving` upright discs of radius `moving_radius_m`, each with a constant speed of up to `moving_speed` in
+// any direction. They go through each other and through the still bodies, turn back at the sides of the field, and do
+// not react to the vehicle. At the start all keep `free_m` away from it. Times are those of the scene.
 //
 // The field is a function of configuration and seed. All lengths are whole centimetres and all headings whole degrees,
 // so the last digit of a sine does not matter and the field is the same on every machine. Bodies may overlap. A body

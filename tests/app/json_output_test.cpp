@@ -133,7 +133,7 @@ TEST_F(JsonOutput, OfRun) {
   compare("run", {"run", scenario("operator_on_the_link"), "--out", folder_ / "link"});
   compare("run", {"run", scenario("charted_shoals"), "--out", folder_ / "shoals", "--map", folder_ / "map"});
   compare("run",
-          {"run", scenario("crossing_traffic"), "--out", folder_ / "traffic", "--set", "simulation.duration_s=10"});
+          {"run", scenario("crossing_traffic"), "--out", folder_ / "traffic", "--set", "simulation.duration_s=14"});
   compare("run", {"run", fan_scene(), "--out", folder_ / "fan", "--set", "simulation.duration_s=10"});
   compare("run",
           {"run", scenario("harbour_loop"), "--out", folder_ / "harbour", "--set", "corner_fix.on=true", "--set",

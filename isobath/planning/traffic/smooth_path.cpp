@@ -104,8 +104,10 @@ class Smoother {
         bends.erase(bends.begin() + static_cast<std::ptrdiff_t>(at));
         continue;
       }
-      const bool moved = outcome == Outcome::kBlocked && (move_outside(bends[at]) | move_outside(bends[at + 1]));
-      if (moved) continue;
+      if (outcome == Outcome::kBlocked) {
+        const bool first = move_outside(bends[at]), second = move_outside(bends[at + 1]);
+        if (first || second) continue;
+      }
       return tl::unexpected(SmoothRefusal{outcome == Outcome::kBlocked ? SmoothFault::kBlocked : SmoothFault::kTurn,
                                           points_[bends[at].first > 0 ? bends[at].first : bends[at + 1].first]});
     }

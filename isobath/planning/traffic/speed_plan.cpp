@@ -283,7 +283,7 @@ Result<SpeedPlan, SpeedRefusal> SpeedPlanner::plan(const SmoothPath& path, doubl
       kMoments * steps + static_cast<int>(std::ceil((braking_s + rules.clear_s) * kMoments / step_s)) + 2;
   const double farthest_m = std::min(path.length_m(), vehicle_.max_speed * moments * step_s / kMoments);
   places_ = static_cast<int>(std::floor(farthest_m / place_m_)) + 1;
-  words_ = static_cast<std::size_t>(places_ / kWordBits + 1);
+  words_ = static_cast<std::size_t>(places_) / kWordBits + 1;
   at_.resize(static_cast<std::size_t>(places_));
   for (int place = 0; place < places_; ++place) at_[static_cast<std::size_t>(place)] = path.at(place * place_m_).p_W;
   clear_.assign(static_cast<std::size_t>(moments) * words_, ~Word{0});
