@@ -127,8 +127,7 @@ int run_traffic_study(TrafficOptions& options) {
   if (has_roads) {
     fmt::print(
         "\n{}length over that of the shortest path; runs by the finest detail of a shape; plans, paths that do not "
-        "bend "
-        "enough: means of a run; runs with a step without a path\n",
+        "bend enough: means of a run; runs with a step without a path\n",
         traffic_road_table(study));
   }
   fmt::print("written to {}: traffic.png\n", options.out.string());

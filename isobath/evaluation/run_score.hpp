@@ -67,7 +67,7 @@ class RunTruth {
 
   [[nodiscard]] const VehicleParameters& vehicle() const { return vehicle_; }
   [[nodiscard]] double hull_length() const { return hull_length_; }
-  /// Of the bodies that lie still.
+  /// Outlines of the bodies that lie still.
   [[nodiscard]] const std::vector<Hazard>& outlines() const { return outlines_; }
   /// Whether a body, at this time of the run, lies within a distance of a place, m in W.
   [[nodiscard]] bool is_near_body(const Eigen::Vector2d& p_W, double time_s, double within_m) const;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <isobath/geometry/deviation.hpp>
 #include <isobath/onboard/moving_bodies.hpp>
 
 namespace isobath {
@@ -10,15 +11,11 @@ namespace {
 constexpr double kSigmas = 2;       // of echoes about the centre and of the position, that a place holds
 constexpr double kProbably = 0.5;   // probability of lying still from which a body no longer moves
 constexpr double kSignificant = 3;  // standard deviations of the speed, above zero
-constexpr double kThinnest = 0.2;   // m: half of the least side of an outline
-
-double greatest(const Eigen::Matrix2d& covariance) {
-  const double half = covariance.trace() / 2;
-  return half + std::sqrt(std::max(half * half - covariance.determinant(), 0.0));
-}
+constexpr std::size_t kMaxHeads = 16;
+constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
 
 double position_sigma(const BodyTrack& track) {
-  return std::sqrt(greatest(track.filter.estimate().covariance.topLeftCorner<2, 2>()));
+  return greatest_deviation(track.filter.estimate().covariance.topLeftCorner<2, 2>());
 }
 
 Eigen::Vector2d level_body(const Pose& X_LW, const Eigen::Vector2d& p_W) {
@@ -55,6 +52,7 @@ BodyLooks& MovingBodies::looks_of(const Ping& ping) {
   };
   const auto head = std::find_if(heads_.begin(), heads_.end(), same);
   if (head != heads_.end()) return head->looks;
+  if (heads_.size() == kMaxHeads) heads_.erase(heads_.begin());  // a mount that turns is a new one in each ping
   return heads_.emplace_back(Head{ping.X_BS, BodyLooks(config_.looks)}).looks;
 }
 
@@ -78,7 +76,7 @@ void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const 
 MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) const {
   const MotionFilter::Estimate e = track.filter.estimate();
   const double ahead_s = to_seconds(time - time_);
-  const double sigma = std::sqrt(greatest(e.covariance.topLeftCorner<2, 2>()));
+  const double sigma = greatest_deviation(e.covariance.topLeftCorner<2, 2>());
   const double grown = config_.margin_m + kSigmas * std::min(sigma, config_.max_sigma_m);
   return {e.mean.head<2>() + ahead_s * e.mean.segment<2>(2),
           kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity(), own_W_};
@@ -94,7 +92,7 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, cons
   if (track.filter.probability(MotionFilter::kStill) > config_.max_still) return false;
   const MotionFilter::Estimate e = track.filter.estimate();
   const Eigen::Vector2d velocity = e.mean.segment<2>(2);
-  const double sigma = std::sqrt(greatest(e.covariance.block<2, 2>(2, 2)));
+  const double sigma = greatest_deviation(e.covariance.block<2, 2>(2, 2));
   if (sigma > config_.max_speed_sigma || velocity.norm() < std::max(config_.min_speed, kSignificant * sigma))
     return false;
   const Place& then = body.trail.front();
@@ -231,7 +229,7 @@ void MovingBodies::clear_trails(BodyGrid& grid, Time time, const Pose& X_WB) {
   for (Wake& wake : wakes_) {
     const Eigen::Vector2d centre = grid.from_level_body(level_body(X_LW, wake.place.centre_W));
     const Eigen::Matrix2d inverse = wake.place.shape.inverse();
-    const double reach = std::sqrt(greatest(wake.place.shape));
+    const double reach = greatest_deviation(wake.place.shape);
     const auto cell_at = [&](double at, int count) {
       return static_cast<int>(std::clamp<double>(std::floor(at / cells.cell_m), 0, count));
     };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/geometry/deviation.hpp>
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/way_keeping.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
@@ -19,9 +20,7 @@ Vector2d place_of(const Navigation& fix) { return fix.X_WB.translation.head<2>()
 
 double sigma_of(const Navigation& fix) {
   if (!fix.covariance) return 0;
-  const Eigen::Matrix2d c = fix.covariance->topLeftCorner<2, 2>();
-  const double half = (c(0, 0) - c(1, 1)) / 2;
-  return std::sqrt(std::max(0.0, c.trace() / 2 + std::hypot(half, c(0, 1))));  // along the worst direction
+  return greatest_deviation(fix.covariance->topLeftCorner<2, 2>());
 }
 
 }  // namespace

@@ -1,16 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/geometry/deviation.hpp>
 #include <isobath/geometry/segment.hpp>
 #include <isobath/planning/traffic/moving_body.hpp>
 #include <limits>
 
 namespace isobath {
 namespace {
-
-double greatest_eigenvalue(const Eigen::Matrix2d& m) {
-  const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1)), off = 0.5 * (m(0, 1) + m(1, 0));
-  return mean + std::hypot(half, off);
-}
 
 /// From p to the border of a simple outline, negative inside. The exact inner_distance of polygon.hpp costs more.
 double outer_distance(const Polygon& outline, const Eigen::Vector2d& p) {
@@ -49,7 +45,7 @@ double circumscribed_radius(const MovingBody& body) {
 double predicted_growth(const MovingBody& body, double ahead_s, double sigmas) {
   if (body.position_covariance.isZero(0) && body.velocity_covariance.isZero(0)) return 0;
   const Eigen::Matrix2d spread = body.position_covariance + ahead_s * ahead_s * body.velocity_covariance;
-  return sigmas * std::sqrt(std::max(0.0, greatest_eigenvalue(spread)));
+  return sigmas * greatest_deviation(spread);
 }
 
 double distance_to(const MovingBody& body, const Eigen::Vector2d& p_W, double ahead_s) {
