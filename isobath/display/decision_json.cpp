@@ -29,6 +29,7 @@ ordered_json decision_content(const Decision& d) {
                        {"height_m", d.opening->height_m > 0 ? tidy(d.opening->height_m) : nullptr},
                        {"free_share", tidy(d.opening->free_share)}};
   }
+  if (d.approach) json["approach"] = {{"in_s", tidy(d.approach->in_s)}, {"gap_m", tidy(d.approach->gap_m)}};
   if (!d.way.empty()) {
     json["way_m"] = ordered_json::array();
     for (const Eigen::Vector2d& p : d.way) json["way_m"].push_back(place_json(p));

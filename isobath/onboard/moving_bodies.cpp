@@ -12,7 +12,8 @@ constexpr double kSigmas = 2;       // of echoes about the centre and of the pos
 constexpr double kProbably = 0.5;   // probability of lying still from which a body no longer moves
 constexpr double kSignificant = 3;  // standard deviations of the speed, above zero
 constexpr std::size_t kMaxHeads = 16;
-constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
+constexpr std::uint32_t kDoubtReadings = 6;  // before that, nothing is known of its motion
+constexpr double kThinnest = 0.2;            // m: half of the least side of an outline
 
 double position_sigma(const BodyTrack& track) {
   return greatest_deviation(track.filter.estimate().covariance.topLeftCorner<2, 2>());
@@ -33,6 +34,8 @@ std::vector<Field> fields(MovingBodiesConfig& c) {
       Field::real("max_speed_sigma", &c.max_speed_sigma, {0.01, 10}, "m/s",
                   "A body is found to move only if the standard deviation of its speed is at most this."),
       Field::integer("min_readings", &c.min_readings, {2, 1000}, "1", "Readings before a body may be found to move."),
+      Field::real("may_move", &c.may_move, {0, 0.5}, "1",
+                  "A body that lies still with less than this probability is not remembered when it leaves the view."),
       Field::real("margin_m", &c.margin_m, {0, 20}, "m",
                   "How far echoes may lie outside of the place of a moving body and still be its own."),
       Field::real("max_sigma_m", &c.max_sigma_m, {0.1, 100}, "m",
@@ -123,11 +126,15 @@ MovingBodies::Counts MovingBodies::counts() const {
 void MovingBodies::judge(const std::optional<Water>& water) {
   const auto tracks = tracker_.tracks();
   const auto number = [](const BodyTrack& track) { return track.number; };
-  std::erase_if(bodies_, [&](const auto& body) {
-    const bool ended = !std::ranges::binary_search(tracks, body.first, {}, number);
-    if (ended) add_to(ended_, body.second);
-    return ended;
-  });
+  for (auto body = bodies_.begin(); body != bodies_.end();) {
+    if (std::ranges::binary_search(tracks, body->first, {}, number)) {
+      ++body;
+      continue;
+    }
+    add_to(ended_, body->second);
+    if (body->second.may_move) leave_all(body->second);
+    body = bodies_.erase(body);
+  }
   for (const BodyTrack& track : tracks) {
     if (!track.confirmed) continue;
     Body& body = bodies_[track.number];
@@ -136,6 +143,7 @@ void MovingBodies::judge(const std::optional<Water>& water) {
       if (body.trail.size() == kTrail) body.trail.erase(body.trail.begin());
       body.trail.push_back(place_of(track, time_));
       body.speed = track.filter.estimate().mean.segment<2>(2).norm();
+      body.may_move = may_move(track);
     }
     if (body.moves) {
       body.moves = !lies_still(track);
@@ -143,8 +151,22 @@ void MovingBodies::judge(const std::optional<Water>& water) {
       body.moves = true;
       ++ended_.moving;
     }
-    if (body.moves) leave_trail(body, track);
+    if (body.moves) {
+      leave_trail(body, track);
+    } else if (body.may_move && to_seconds(time_ - track.last) > kForgotten_s) {
+      leave_all(body);
+    }
   }
+}
+
+bool MovingBodies::may_move(const BodyTrack& track) const {
+  return track.readings >= kDoubtReadings && track.filter.probability(MotionFilter::kStill) < config_.may_move;
+}
+
+void MovingBodies::leave_all(Body& body) {
+  for (const Place& place : body.trail) wakes_.push_back({place, time_});
+  body.trail.clear();
+  if (wakes_.size() > kWakes) wakes_.erase(wakes_.begin(), wakes_.end() - static_cast<std::ptrdiff_t>(kWakes));
 }
 
 /// What the body has left was water: the maps took in part of the body there.
@@ -245,6 +267,19 @@ void MovingBodies::clear_trails(BodyGrid& grid, Time time, const Pose& X_WB) {
       }
     }
     wake.is_new = false;
+  }
+}
+
+void MovingBodies::mark_doubtful(Time time, const Pose& X_WB, std::vector<Obstacle>& obstacles) const {
+  const Pose X_WL = level(X_WB);
+  for (const BodyTrack& track : tracker_.tracks()) {
+    const auto body = bodies_.find(track.number);
+    if (body == bodies_.end() || body->second.moves || !body->second.may_move) continue;
+    const Place place = place_of(track, time);
+    for (Obstacle& o : obstacles) {
+      const Eigen::Vector3d centre_W = X_WL * Eigen::Vector3d(o.centre.x(), o.centre.y(), 0);
+      o.may_move = o.may_move || place.contains(centre_W.head<2>());
+    }
   }
 }
 

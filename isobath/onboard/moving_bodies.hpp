@@ -12,6 +12,10 @@
 // in before the body was known to move, its trail, is cleared by `clear_trails`. Obstacles of moving bodies come from
 // the tracks.
 //
+// A confirmed track that probably does not lie still, but is not known to move yet, may move. Its echoes go to the
+// maps, because it is an obstacle; but the memory must not keep it, and when it has had no reading for kForgotten_s,
+// because it left the view, its trail is cleared like that of a body that moves.
+//
 // The error of the own position moves all tracks alike; a jump of the position moves them with it (`shift`). Slow drift
 // below `min_speed` does not make still bodies move. Frame W, m, s. Bounded: BodyTrackerConfig::max_tracks, kTrail
 // places a trail. One thread.
@@ -31,6 +35,7 @@ struct MovingBodiesConfig {
   double max_still = 0.01;
   double max_speed_sigma = 0.2;
   int min_readings = 15;
+  double may_move = 0.1;
   double margin_m = 0.5;
   double max_sigma_m = 3;
   BodyLooksConfig looks;
@@ -65,6 +70,8 @@ class MovingBodies {
   /// and what had its last echo kForgotten_s ago where a body passed in the last kWake_s. (A long body, whose middle
   /// echoes from one place as it passes, leaves that behind where no beam comes any more.)
   void clear_trails(BodyGrid& grid, Time time, const Pose& X_WB);
+  /// Sets `may_move` of obstacles of a scan at this time and pose on which a track lies that may move.
+  void mark_doubtful(Time time, const Pose& X_WB, std::vector<Obstacle>& obstacles) const;
   /// The bodies that move, as obstacles of a scan at this time and pose; not numbered.
   [[nodiscard]] std::vector<Obstacle> obstacles(Time time, const Pose& X_WB) const;
 
@@ -93,7 +100,7 @@ class MovingBodies {
   };
   struct Body {
     std::vector<Place> trail;  ///< where it was read; of a moving body: where it still may be
-    bool moves = false;
+    bool moves = false, may_move = false;
     double speed = 0;  ///< at the last reading, m/s
   };
   struct Wake {
@@ -109,6 +116,8 @@ class MovingBodies {
   BodyLooks& looks_of(const Ping& ping);
   void judge(const std::optional<Water>& water);
   void leave_trail(Body& body, const BodyTrack& track);
+  void leave_all(Body& body);
+  [[nodiscard]] bool may_move(const BodyTrack& track) const;
   static int withhold_box(const Ping& ping, const EchoBox& box, EchoDecisions& decisions);
   [[nodiscard]] bool begins_to_move(const BodyTrack& track, const Body& body, const Water& water) const;
   [[nodiscard]] bool lies_still(const BodyTrack& track) const;

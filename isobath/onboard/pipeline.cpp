@@ -216,6 +216,7 @@ void Pipeline::end_scan() {
   counts_.bodies = bodies_.counts();
   bodies_.clear_trails(mapper_->grid(), last_->time, last_->from.X_WB);
   Detection found = detector_.detect(mapper_->grid(), last_->time, last_->from.X_WB);
+  bodies_.mark_doubtful(found.time, found.X_WB, found.obstacles);
   add_moving(found.obstacles, bodies_.obstacles(found.time, found.X_WB));
   numbers_.keep(found.obstacles, level(found.X_WB), found.time);  // each obstacle keeps its number
   label_obstacles(found.obstacles, last_->from, sink_.heights());

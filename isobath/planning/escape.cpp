@@ -24,14 +24,14 @@ constexpr std::array<double, 3> kWaits = {0, 1.5, 3};  // s
 
 }  // namespace
 
-EscapeSearch::EscapeSearch(std::span<const Vector2d> points, const EscapeTask& task)
+EscapeSearch::EscapeSearch(std::span<const ObstaclePoint> points, const EscapeTask& task)
     : task_(task), at_start_(std::numeric_limits<double>::infinity()) {
   ISOBATH_ASSERT(task.speed > 0 && task.turn_rate > 0 && task.horizon_s > 0);
   const double reach = (task.speed + task.drift.norm() + 2 * task.astern) * task.horizon_s + task.room_m;
-  for (const Vector2d& p : points) {
-    if (!(p.norm() <= reach)) continue;
+  for (const ObstaclePoint& p : points) {
+    if (!(p.place.norm() <= reach + p.velocity.norm() * task.horizon_s)) continue;
     points_.push_back(p);
-    at_start_ = std::min(at_start_, p.norm());
+    at_start_ = std::min(at_start_, p.place.norm());
   }
 }
 
@@ -45,17 +45,19 @@ void EscapeSearch::step(State& state, double heading) const {
   state.carried += kStep * task_.astern * (Vector2d::UnitX() - ahead);
   state.heading += rate * kStep;
   state.rate = rate;
+  state.time_s += kStep;
 }
 
 std::optional<Vector2d> EscapeSearch::met_at(const State& state, double s, double& least2) const {
   const double room = std::clamp(at_start_ - kNearer + kLeaving * s, 0.0, task_.room_m);
   std::optional<Vector2d> met;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Vector2d to = points_[i] - state.place;
+    const Vector2d point = points_[i].place + state.time_s * points_[i].velocity;
+    const Vector2d to = point - state.place;
     double away2 = to.squaredNorm();
     if (task_.astern > 0) away2 = std::min(away2, (to - state.carried).squaredNorm());
     least2 = std::min(least2, away2);
-    if (away2 < room * room) met = points_[i];
+    if (away2 < room * room) met = point;
   }
   return met;
 }

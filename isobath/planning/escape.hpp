@@ -9,9 +9,9 @@
 // Motion: ahead at a constant speed over ground, carried by a constant drift; a turn builds up and dies away with a
 // lag. Where a part of the speed may be a current from astern, a manoeuvre is free only if it is so with and without
 // it. The hull is a disc, and an obstacle is a row of points no farther apart than twice `room_m`. A vehicle that is
-// too near to a point at the start may leave, if it gets away from all points at 0.2 m/s or more. Frame: that of the
-// vehicle at the start, x ahead, y to starboard; turns are positive to starboard. SI units. Pure; costs about 40 ns per
-// point and tried manoeuvre.
+// too near to a point at the start may leave, if it gets away from all points at 0.2 m/s or more. Points that move keep
+// their velocity. Frame: that of the vehicle at the start, x ahead, y to starboard; turns are positive to starboard. SI
+// units. Pure; costs about 40 ns per point and tried manoeuvre.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,13 +38,19 @@ struct Escape {
   double turn = 0;                            ///< rad
   double free_s = 0;                          ///< time until it first comes too near; the horizon if it does not
   double room_m = 0;                          ///< minimum distance to a point until then; infinite without points
-  std::optional<Eigen::Vector2d> meets = {};  ///< the point that it comes too near to
+  std::optional<Eigen::Vector2d> meets = {};  ///< the point that it comes too near to, where it then is
+};
+
+/// A point of an obstacle now, and its velocity.
+struct ObstaclePoint {
+  Eigen::Vector2d place;
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
 };
 
 class EscapeSearch {
  public:
   /// Points that are not finite are left out.
-  EscapeSearch(std::span<const Eigen::Vector2d> points, const EscapeTask& task);
+  EscapeSearch(std::span<const ObstaclePoint> points, const EscapeTask& task);
 
   [[nodiscard]] bool free(const Escape& escape) const { return escape.free_s >= task_.horizon_s; }
   /// The result of one turn, begun after a wait.
@@ -62,6 +68,7 @@ class EscapeSearch {
   struct State {
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
     double heading = 0, rate = 0;
+    double time_s = 0;
     Eigen::Vector2d carried = Eigen::Vector2d::Zero();  ///< how far off `place` a current from astern takes it
   };
   void step(State& state, double heading) const;
@@ -72,7 +79,7 @@ class EscapeSearch {
   [[nodiscard]] std::optional<Eigen::Vector2d> met_at(const State& state, double s, double& least2) const;
 
   EscapeTask task_;
-  std::vector<Eigen::Vector2d> points_;
+  std::vector<ObstaclePoint> points_;
   double at_start_ = 0;  ///< minimum distance to a point at the start
 };
 

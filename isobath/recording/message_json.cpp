@@ -145,6 +145,13 @@ Content content_of(const FollowOrder& m) {
 Content content_of(const WaypointPassed& m) {
   return {{"version", m.version}, {"index", m.index}, {"reached", m.reached}, {"last", m.last}};
 }
+Content content_of(const StillHazards& m) { return {{"hazards", m.hazards ? m.hazards->size() : 0}}; }
+Content content_of(const MotionOrder& m) {
+  return {{"version", m.version},
+          {"waypoint", m.waypoint},
+          {"place", components_of<2>(m.place_W)},
+          {"at_ns", m.at.time_since_epoch().count()}};
+}
 Content content_of(const HelmOrder& m) { return {{"setpoint", setpoint_content(m.setpoint)}}; }
 Content content_of(const SafetyAction& m) {
   return {{"action", to_text(m.kind)}, {"setpoint", setpoint_content(m.setpoint)}, {"fault", m.fault}, {"why", m.why}};

@@ -48,6 +48,7 @@ struct Obstacle {
   /// (obstacle_numbers.hpp). A detector alone numbers the obstacles of each scan afresh, nearest first.
   int number = 0;
   ObstacleMotion motion;
+  bool may_move = false;  ///< it does not move as far as is known, but probably does not lie still either
 
   [[nodiscard]] bool moves() const { return motion.track != 0; }
 };

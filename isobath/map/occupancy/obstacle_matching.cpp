@@ -63,7 +63,7 @@ std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemoryS
   out.reserve(sweep.obstacles.size());
   for (std::size_t i = 0; i < sweep.obstacles.size(); ++i) {
     const Obstacle& o = sweep.obstacles[i];
-    if (o.moves() || !usable(o.outline)) continue;
+    if (o.moves() || o.may_move || !usable(o.outline)) continue;
     Sighting s;
     s.index = i;
     s.number = o.number;

@@ -112,10 +112,11 @@ bool ObstacleMemory::add(const MemorySweep& sweep) {
   return true;
 }
 
-/// What was stored of an obstacle before it was known to move: the entry of its number, and those that it lies on.
+/// What was stored of an obstacle before it was known to move, or that it may move: the entry of its number, and those
+/// that it lies on.
 void ObstacleMemory::drop_moving(const MemorySweep& sweep) {
   for (const Obstacle& o : sweep.obstacles) {
-    if (!o.moves()) continue;
+    if (!o.moves() && !o.may_move) continue;
     const Vector2d middle_W = (sweep.X_WL * Eigen::Vector3d(o.centre.x(), o.centre.y(), 0)).head<2>();
     std::erase_if(entries_,
                   [&](const Entry& e) { return e.seen.number == o.number || contains(e.seen.outline_W, middle_W); });

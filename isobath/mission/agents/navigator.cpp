@@ -36,6 +36,7 @@ void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
   if (const auto* request = std::get_if<RouteRequest>(&message)) on_request(*request, out);
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) on_passage(*passed);
+  if (const auto* motion = std::get_if<MotionOrder>(&message)) steered_ = motion->time;
   if (const auto* action = std::get_if<SafetyAction>(&message)) on_action(*action, out);
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart, out);
   if (const auto* health = std::get_if<Health>(&message)) {
@@ -144,6 +145,7 @@ void Navigator::look(Outbox& out) {
   if (const auto refusal = blind()) return refuse(*refusal, out);
   const PlanFrame frame = plan_frame();
   std::vector<Hazard> hazards = hazards_in(frame);
+  const bool handed_over = hand_over_moving(hazards);
   if (const auto refusal = judge_goal(frame, hazards)) return refuse(*refusal, out);
   const Vector2d vehicle = frame.to_local(place_of(*here_));
   trim_margins(hazards, vehicle, vehicle_.half_width_m);
@@ -153,12 +155,38 @@ void Navigator::look(Outbox& out) {
             frame.to_local(request_->target.north_east),
             (here_->X_WB.rotation.heading() - frame.heading).wrapped()};
   for (const Waypoint& w : way_) view.way.push_back(frame.to_local(Vector2d(w.north, w.east)));
+  if (handed_over) tell_still(view, out);
   if (way_.empty()) {
     start(view, out);
   } else {
     keep(view, out);
   }
   look_at_opening(view, out);
+}
+
+/// Whether the Goal Selector is to know the still hazards; removes those that move while it steers past them. It has
+/// kLasts to begin.
+bool Navigator::hand_over_moving(std::vector<Hazard>& hazards) {
+  const auto moves = [](const Hazard& h) { return h.kind == HazardKind::kMoving; };
+  if (std::ranges::none_of(hazards, moves)) {
+    handed_over_.reset();
+    return false;
+  }
+  if (through_ || opening_.flies()) return false;
+  if (!handed_over_) handed_over_ = now_;
+  if (now_ - std::max(*handed_over_, steered_) <= MotionOrder::kLasts) std::erase_if(hazards, moves);
+  return true;
+}
+
+void Navigator::tell_still(const View& view, Outbox& out) const {
+  constexpr double kNear_m = 100;
+  std::vector<Hazard> still;
+  for (const Hazard& h : view.map.hazards()) {
+    if (h.kind == HazardKind::kMoving || signed_distance(h.outline, view.way.front()) > kNear_m) continue;
+    still.push_back(h);
+    for (Vector2d& p : still.back().outline) p = view.frame.to_world(p);
+  }
+  out.say(StillHazards{now_, std::make_shared<const std::vector<Hazard>>(std::move(still))});
 }
 
 std::optional<Navigator::Refusal> Navigator::blind() const {

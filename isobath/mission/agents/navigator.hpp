@@ -2,9 +2,9 @@
 // S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
 // S2-31).
 //
-// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, Navigation, WaypointPassed, MissionOrder
-// (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves
-// it). Sends RoutePlanned, RouteRefused, Decision.
+// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, Navigation, WaypointPassed, MotionOrder,
+// MissionOrder (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded
+// computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, Decision.
 //
 // The depth map that sonar has measured counts as seen (HazardKind::kMapped): a vehicle that has only range sonars
 // plans on it, and without scans each update of it is one cycle (ledger S1-03, S1-41).
@@ -31,6 +31,10 @@
 // Where the route leads through an opening between two bodies, such as the pylons of a bridge, the Navigator says how
 // much of it is known to be free, and may fly a helix that looks round it (OpeningWatch; S5-40 to S5-46). The helix is
 // a route like any other: what the sonar shows on the way may replace it.
+//
+// Bodies that move are left to the Goal Selector, which gets all still hazards, while it orders motions past them.
+// Without it, and where the route leads over or under a hazard, they count with the water that they cross in the next
+// seconds.
 //
 // If no route fits the turning radius, or the vehicle is nearer to a hazard than the clearance, a smaller clearance is
 // used.
@@ -96,6 +100,8 @@ class Navigator : public Agent {
 
   void look(Outbox& out);
   [[nodiscard]] std::optional<Refusal> blind() const;
+  bool hand_over_moving(std::vector<Hazard>& hazards);
+  void tell_still(const View& view, Outbox& out) const;
   [[nodiscard]] PlanFrame plan_frame() const;
   [[nodiscard]] std::vector<Hazard> hazards_in(const PlanFrame& frame) const;
   void keep(View& view, Outbox& out);
@@ -175,6 +181,8 @@ class Navigator : public Agent {
   Mode mode_ = Mode::kNormal;
   double budget_share_ = 1;  ///< share of the budget that the computer leaves
   SafetyActionKind action_ = SafetyActionKind::kNone;
+  std::optional<Time> handed_over_;  ///< since when bodies move that the Goal Selector knows of
+  Time steered_{};                   ///< its last order
   bool look_at_tick_ = false;
   bool new_scan_ = false;  ///< the current cycle is that of a new scan
 };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/mission/agents/pilot.hpp>
+#include <utility>
 
 namespace isobath {
 
@@ -27,6 +28,9 @@ Pilot::Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const St
 void Pilot::on_message(const Message& message, Time, Outbox&) {
   if (const auto* order = std::get_if<FollowOrder>(&message)) on(*order);
   if (const auto* reading = std::get_if<RangeReading>(&message)) on(*reading);
+  if (const auto* motion = std::get_if<MotionOrder>(&message)) {
+    if (task_ == Task::kFollow && motion->version == order_.version && motion->place_W.allFinite()) motion_ = *motion;
+  }
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
   }
@@ -47,13 +51,14 @@ void Pilot::tick(Time now, Outbox& out) {
     return;
   }
   rest_.reset();
-  const Setpoint wanted = task_ == Task::kFollow ? follow(dt, out) : station_.step(here_->X_WB, here_->v_WB, dt);
+  const Setpoint wanted = task_ == Task::kFollow ? follow(dt, now, out) : station_.step(here_->X_WB, here_->v_WB, dt);
   out.say(HelmOrder{task_ == Task::kSurface ? wanted : at_its_depth(wanted, now)});
 }
 
 void Pilot::on(const FollowOrder& order) {
   order_ = order;
-  told_ = 0;
+  told_ = first_ = 0;
+  if (motion_) motion_->waypoint = 0;  // the last motion holds until the next one is ordered
   if (order.waypoints.empty() || order.surface) return hold_where_it_stops();
   task_ = Task::kFollow;
   went_ = order.waypoints.back().speed;
@@ -99,30 +104,69 @@ double Pilot::hold_speed() const {
   return vehicle_.min_speed > 0 ? std::max({config_.hold_speed, vehicle_.min_speed, went_}) : config_.hold_speed;
 }
 
-Setpoint Pilot::follow(double dt, Outbox& out) {
+Setpoint Pilot::follow(double dt, Time now, Outbox& out) {
+  if (here_->v_WB) drift_.update(here_->X_WB.rotation.heading(), *here_->v_WB, guidance_.drift_time, dt);
+  if (motion_ && now - motion_->time <= MotionOrder::kLasts) return follow_motion(now, out);
+  if (std::exchange(motion_, std::nullopt)) {
+    first_ = told_;
+    line_of_sight_->follow({order_.waypoints.begin() + static_cast<std::ptrdiff_t>(first_), order_.waypoints.end()});
+  }
   const Setpoint wanted = line_of_sight_->step(here_->X_WB, here_->v_WB, dt);
   report(out);
   if (task_ == Task::kFollow) return wanted;
   return station_.step(here_->X_WB, here_->v_WB, dt);
 }
 
-void Pilot::report(Outbox& out) {
+// To be at the place at the time, with the present drift. A place behind the vehicle, which it has passed too early,
+// makes it slow down.
+Setpoint Pilot::follow_motion(Time now, Outbox& out) {
+  constexpr double kShortest_s = 0.5, kStanding = 0.1;
   const std::vector<Waypoint>& all = order_.waypoints;
   const std::size_t last = all.size() - 1;
-  for (; told_ < std::min(line_of_sight_->next(), last); ++told_) {
+  const auto place_of = [](const Waypoint& w) { return Vector2d(w.north, w.east); };
+  const Vector2d here = here_->X_WB.translation.head<2>();
+  while (told_ < last) {
+    const Vector2d corner = place_of(all[told_]), next = place_of(all[told_ + 1]);
     const bool reached = distance_to(all[told_]) <= guidance_.acceptance_radius;
-    out.say(WaypointPassed{order_.version, told_, reached, false});
+    if (!reached && told_ >= motion_->waypoint && (here - corner).dot(next - corner) <= 0) break;
+    pass(reached, out);
   }
-  if (line_of_sight_->next() < last) return;
-  const double radius_m = all.back().radius_m > 0 ? all.back().radius_m : config_.point_radius;
-  const bool reached = distance_to(all.back()) <= radius_m;
-  if (!reached && !line_of_sight_->finished()) return;
-  out.say(WaypointPassed{order_.version, last, reached, true});
-  Waypoint place = all.back();
+  const Waypoint& goal = all[told_];
+  const Angle heading = here_->X_WB.rotation.heading();
+  Setpoint wanted{heading, goal.depth, vehicle_.min_speed, 0};
+  const Vector2d v_W = (motion_->place_W - here) / std::max(kShortest_s, to_seconds(motion_->at - now));
+  if (v_W.norm() > kStanding && v_W.dot(Vector2d(cos(heading), sin(heading))) > -kStanding) {
+    wanted.speed = std::clamp(v_W.norm(), vehicle_.min_speed, std::max(goal.speed, vehicle_.min_speed));
+    wanted.heading = (Angle::radians(std::atan2(v_W.y(), v_W.x())) - drift_.crab(heading, wanted.speed)).wrapped();
+  }
+  if (told_ == last && distance_to(goal) <= radius_of(goal)) pass(true, out);
+  return wanted;
+}
+
+void Pilot::report(Outbox& out) {
+  const std::vector<Waypoint>& all = order_.waypoints;
+  const std::size_t last = all.size() - 1, next = first_ + line_of_sight_->next();
+  while (told_ < std::min(next, last)) pass(distance_to(all[told_]) <= guidance_.acceptance_radius, out);
+  if (next < last) return;
+  const bool reached = distance_to(all.back()) <= radius_of(all.back());
+  if (reached || line_of_sight_->finished()) pass(reached, out);
+}
+
+/// The way-point ahead lies behind from now on.
+void Pilot::pass(bool reached, Outbox& out) {
+  const bool last = told_ + 1 == order_.waypoints.size();
+  out.say(WaypointPassed{order_.version, told_, reached, last});
+  if (!last) {
+    ++told_;
+    return;
+  }
+  Waypoint place = order_.waypoints.back();
   place.speed = hold_speed();
   station_.hold(place);
   task_ = Task::kHold;
 }
+
+double Pilot::radius_of(const Waypoint& last) const { return last.radius_m > 0 ? last.radius_m : config_.point_radius; }
 
 double Pilot::distance_to(const Waypoint& place) const {
   return (Vector2d(place.north, place.east) - here_->X_WB.translation.head<2>()).norm();

@@ -1,14 +1,17 @@
 // Pilot: turns way-points, or a position to hold, into set-points for heading, speed and depth (Ganesan 2015, 5.1,
 // 6.1.1; ledger S6-37).
 //
-// Receives FollowOrder, Navigation, RangeReading (of downward sensors), MissionOrder (limits) and AgentLost. Sends
-// WaypointPassed when a way-point comes to lie behind, and a HelmOrder at each tick.
+// Receives FollowOrder, MotionOrder, Navigation, RangeReading (of downward sensors), MissionOrder (limits) and
+// AgentLost. Sends WaypointPassed when a way-point comes to lie behind, and a HelmOrder at each tick.
 //
 // The last way-point is the mission point: it is reached within its own radius, or `point_radius`. Those before it are
 // corners round obstacles. The vehicle turns at them within the acceptance radius of the guidance, which is smaller,
 // because an early turn cuts the corner. A way-point that is passed abeam counts as passed, not as reached. After the
 // last way-point the Pilot holds it; on an empty order it holds the place where the vehicle can come to rest. Without
 // navigation for `silent_s` the vehicle stops; without an Executive Officer it surfaces.
+//
+// While the Goal Selector orders a motion, the Pilot steers for the place and time of the order instead of the line to
+// the way-point. The last way-point is then passed only within its radius; afterwards the line starts where it is.
 //
 // The Navigator avoids obstacles, and the Safety Officer decides whether an order is safe; the Pilot does neither.
 #pragma once
@@ -41,8 +44,11 @@ class Pilot final : public Agent {
   void on(const RangeReading& reading);
   void take_limits(const MissionLimits& limits);
   void hold_where_it_stops();
-  Setpoint follow(double dt, Outbox& out);
+  Setpoint follow(double dt, Time now, Outbox& out);
+  Setpoint follow_motion(Time now, Outbox& out);
   void report(Outbox& out);
+  void pass(bool reached, Outbox& out);
+  [[nodiscard]] double radius_of(const Waypoint& last) const;
   [[nodiscard]] double distance_to(const Waypoint& place) const;
   [[nodiscard]] double hold_speed() const;
   [[nodiscard]] Setpoint at_rest();
@@ -58,8 +64,11 @@ class Pilot final : public Agent {
 
   Task task_ = Task::kNone;
   FollowOrder order_;
-  double went_ = 0;       ///< speed of the last route, m/s
-  std::size_t told_ = 0;  ///< way-points that were reported as passed
+  double went_ = 0;                    ///< speed of the last route, m/s
+  std::size_t told_ = 0;               ///< way-points that were reported as passed
+  std::size_t first_ = 0;              ///< way-point of the order that is the first of `line_of_sight_`
+  std::optional<MotionOrder> motion_;  ///< that it follows
+  Drift drift_;
   std::optional<Navigation> here_;
   std::optional<Time> last_tick_;
   std::optional<Setpoint> rest_;  ///< while there is no task

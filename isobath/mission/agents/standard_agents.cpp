@@ -11,6 +11,7 @@ std::vector<Section> sections(MissionConfig& c) {
       {"space_route", "How a path over, under or between obstacles is searched, where a sonar measures height.",
        fields(c.space_route)},
       {"opening", "What is done about an opening that the route leads through.", fields(c.opening)},
+      {"goal_selector", "How motions past moving bodies are planned in time.", fields(c.goal_selector)},
       {"pilot", "How way-points become set-points.", fields(c.pilot)},
       {"guidance", "How a line is followed.", fields(c.guidance)},
       {"station", "How a position is held.", fields(c.station)},
@@ -35,6 +36,7 @@ std::vector<AgentSlot> standard_agents(const MissionConfig& c, const VehiclePara
        std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route, c.opening));
   slot("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain));
   slot("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive));
+  slot("goal selector", AgentLevel::kMission, std::make_unique<GoalSelector>(c.goal_selector, vehicle));
   slot("pilot", AgentLevel::kVehicle,
        std::make_unique<Pilot>(c.pilot, c.guidance, c.station, c.depth_keeping, vehicle));
   slot("chart room", AgentLevel::kMission, std::make_unique<ChartRoom>(c.chart_room));

@@ -8,6 +8,7 @@
 #include <isobath/mission/agents/closer_look.hpp>
 #include <isobath/mission/agents/executive_officer.hpp>
 #include <isobath/mission/agents/fls_detector.hpp>
+#include <isobath/mission/agents/goal_selector.hpp>
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/pilot.hpp>
 #include <isobath/mission/agents/signaling_officer.hpp>
@@ -21,6 +22,7 @@ struct MissionConfig {
   RouteConfig route;
   SpaceRouteConfig space_route;
   OpeningConfig opening;
+  GoalSelectorConfig goal_selector;
   PilotConfig pilot;
   GuidanceConfig guidance = {.acceptance_radius = 1};  ///< of corners: each goes round an obstacle
   StationConfig station;
@@ -37,8 +39,8 @@ struct MissionConfig {
 /// Bound to `config`.
 std::vector<Section> sections(MissionConfig& config);
 
-/// In the order in which they receive messages: fls detector, navigator, captain, executive officer, pilot, chart room,
-/// signaling officer; then the back-seat drivers, survey and circle.
+/// In the order in which they receive messages: fls detector, navigator, captain, executive officer, goal selector,
+/// pilot, chart room, signaling officer; then the back-seat drivers, survey and circle.
 std::vector<AgentSlot> standard_agents(const MissionConfig& config, const VehicleParameters& vehicle);
 
 }  // namespace isobath

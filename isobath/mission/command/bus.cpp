@@ -23,6 +23,8 @@ constexpr const char* name(const RouteRefused*) { return "route refused"; }
 constexpr const char* name(const PointReport*) { return "point report"; }
 constexpr const char* name(const MissionReport*) { return "mission report"; }
 constexpr const char* name(const FollowOrder*) { return "follow order"; }
+constexpr const char* name(const StillHazards*) { return "still hazards"; }
+constexpr const char* name(const MotionOrder*) { return "motion order"; }
 constexpr const char* name(const WaypointPassed*) { return "waypoint passed"; }
 constexpr const char* name(const HelmOrder*) { return "helm order"; }
 constexpr const char* name(const SafetyAction*) { return "safety action"; }

@@ -169,6 +169,25 @@ struct FollowOrder {
   bool surface = false;
 };
 
+/// Navigator -> Goal Selector: all hazards that lie still, in W, at each cycle in which one moves. Not while the route
+/// leads over or under a hazard of the plane.
+struct StillHazards {
+  Time time;
+  std::shared_ptr<const std::vector<Hazard>> hazards;
+};
+
+/// Goal Selector -> Pilot, Navigator: where the vehicle should be at a time, past bodies that move. The Pilot follows
+/// it instead of the legs between the way-points of its FollowOrder, the Navigator leaves these bodies to the Goal
+/// Selector, both while the last order is younger than kLasts.
+struct MotionOrder {
+  static constexpr Duration kLasts = std::chrono::milliseconds(500);
+  std::uint32_t version = 0;  ///< of the FollowOrder
+  std::size_t waypoint = 0;   ///< that the motion leads to; those before it count as passed
+  Time time;                  ///< of the order
+  Eigen::Vector2d place_W = Eigen::Vector2d::Zero();
+  Time at;  ///< when it should be there
+};
+
 /// Pilot -> Executive Officer.
 struct WaypointPassed {
   std::uint32_t version = 0;
@@ -247,11 +266,6 @@ struct TaskPlan {
   double drop_distance_m = 0;  ///< an obstacle that is nearer blocks a way-point; 0: the Navigator's
 };
 
-/// A decision, with its agent and its reason: for the recorder, the page and the report.
-///
-/// `number` counts the decisions of all agents of a run from 1, in the order in which the bus carried them, which is
-/// the order of time. The terminal, decisions.json, the report, the live page, its player and the recording all show
-/// this number. It is 0 until the decision has passed the bus, which sets it.
 /// An opening on the route, as the vehicle knows it (mission/agents/opening_watch.hpp).
 struct OpeningSighting {
   double distance_m = 0;  ///< to its plane
@@ -260,6 +274,17 @@ struct OpeningSighting {
   double free_share = 0;  ///< of its face
 };
 
+/// How near the vehicle will come to a body that moves, by its plan (mission/agents/goal_selector.hpp).
+struct ClosestApproach {
+  double in_s = 0;   ///< from the decision on
+  double gap_m = 0;  ///< between the hull and the body's outline, which is grown by its uncertainty
+};
+
+/// A decision, with its agent and its reason: for the recorder, the page and the report.
+///
+/// `number` counts the decisions of all agents of a run from 1, in the order in which the bus carried them, which is
+/// the order of time. The terminal, decisions.json, the report, the live page, its player and the recording all show
+/// this number. It is 0 until the decision has passed the bus, which sets it.
 struct Decision {
   Time time;
   std::string agent;
@@ -271,15 +296,16 @@ struct Decision {
   std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new route
   int obstacle_number = 0;                       ///< Obstacle::number of that obstacle; 0: it has none
   std::optional<OpeningSighting> opening = {};   ///< that it is about
+  std::optional<ClosestApproach> approach = {};  ///< to that obstacle, which moves
   std::uint64_t number = 0;                      ///< from 1; set by the bus
 };
 /// One line: "27.200 s navigator: replan: leg 1 would run into an obstacle at north 44.7, east 2.4 m ...".
 std::string to_text(const Decision& decision);
 
-using Message =
-    std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
-                 OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport,
-                 MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
-                 StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame>;
+using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
+                             ChartedHazards, OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned,
+                             RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder,
+                             WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall,
+                             TaskBid, TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame>;
 
 }  // namespace isobath

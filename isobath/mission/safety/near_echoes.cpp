@@ -64,8 +64,8 @@ void NearEchoes::forget(double before_s) {
   std::erase_if(cells_, [&](const auto& cell) { return cell.second.counts_s < before_s; });
 }
 
-std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config,
-                                                       double now_s) {
+std::span<const NearEcho> NearEchoes::confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config,
+                                                double now_s) {
   found_.clear();
   const Pose X_LW = X_WL.inverse();
   for (auto& cell : cells_) {
@@ -73,7 +73,7 @@ std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double 
     const Eigen::Vector2d place =
         (X_LW * Eigen::Vector3d(echo.place_W.x(), echo.place_W.y(), X_WL.translation.z())).head<2>();
     if (place.norm() < blanking_m) echo.counts_s = now_s;
-    if (echo.confirmed && now_s - echo.counts_s <= config.memory_s) found_.push_back(place);
+    if (echo.confirmed && now_s - echo.counts_s <= config.memory_s) found_.push_back({place, now_s - echo.heard_s});
   }
   forget(now_s - std::max(config.confirm_s, config.memory_s));
   return found_;

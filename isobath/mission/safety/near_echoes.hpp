@@ -22,6 +22,12 @@
 
 namespace isobath {
 
+/// A confirmed echo in the vehicle's frame.
+struct NearEcho {
+  Eigen::Vector2d place;
+  double age_s = 0;  ///< since it was last received
+};
+
 class NearEchoes {
  public:
   static constexpr std::size_t kMax = 8192;
@@ -34,8 +40,7 @@ class NearEchoes {
   void clear() { cells_.clear(); }
   /// The confirmed echoes in the vehicle's frame; valid until the next call. `blanking_m`: blanking distance of the
   /// sonar.
-  std::span<const Eigen::Vector2d> confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config,
-                                             double now_s);
+  std::span<const NearEcho> confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config, double now_s);
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
@@ -50,7 +55,7 @@ class NearEchoes {
 
   std::map<Key, Echo> cells_;
   double cell_m_ = 1;
-  std::vector<Eigen::Vector2d> found_;
+  std::vector<NearEcho> found_;
 };
 
 /// Distance that the hull travels before it meets one of the points, on a path of constant curvature (1/m, positive to

@@ -15,10 +15,10 @@ constexpr double kStanding = 0.1;   // m/s
 constexpr Angle kTurned = Angle::degrees(15);
 constexpr double kMinBraking = 0.001;  // m/s2
 
-std::vector<Eigen::Vector2d> along(std::span<const Eigen::Vector2d> points, double drift) {
+std::vector<Eigen::Vector2d> along(std::span<const ObstaclePoint> points, double drift) {
   std::vector<Eigen::Vector2d> turned;
   const double c = std::cos(drift), s = std::sin(drift);
-  for (const Eigen::Vector2d& p : points) turned.emplace_back(c * p.x() + s * p.y(), c * p.y() - s * p.x());
+  for (const auto& [p, velocity] : points) turned.emplace_back(c * p.x() + s * p.y(), c * p.y() - s * p.x());
   return turned;
 }
 
@@ -49,11 +49,27 @@ bool SafetyOfficer::passes_by(const Eigen::Vector3d& p_W) const {
   return space_ && space_->is_measured(p_W, config_.height_margin_m);
 }
 
-std::vector<Eigen::Vector2d> SafetyOfficer::at_its_depth(const Pose& X_WL,
-                                                         std::span<const Eigen::Vector2d> echoes_L) const {
-  std::vector<Eigen::Vector2d> left;
-  for (const Eigen::Vector2d& p : echoes_L) {
-    if (!passes_by(X_WL * Eigen::Vector3d(p.x(), p.y(), 0))) left.push_back(p);
+/// The echo where it is now: it moves with the body in whose place it was when it came.
+ObstaclePoint SafetyOfficer::where_now(const NearEcho& echo, const Pose& X_WL) const {
+  const Eigen::Vector2d place_W = (X_WL * Eigen::Vector3d(echo.place.x(), echo.place.y(), 0)).head<2>();
+  for (const Mover& mover : movers_) {
+    const double before_s = clock_s_ - echo.age_s - mover.seen_s;  // the sweep
+    const Eigen::Vector2d then_W = place_W - before_s * mover.velocity_W;
+    if ((nearest_point(mover.outline_W, then_W) - then_W).norm() > config_.confirm_m) continue;
+    const Eigen::Vector3d way_W(mover.velocity_W.x(), mover.velocity_W.y(), 0);
+    const Eigen::Vector2d velocity = (X_WL.rotation.inverse() * way_W).head<2>();
+    return {echo.place + echo.age_s * velocity, velocity};
+  }
+  return {echo.place};
+}
+
+/// All confirmed echoes at the vehicle's depth, in its frame.
+std::vector<ObstaclePoint> SafetyOfficer::confirmed_echoes(const Pose& X_WL) {
+  constexpr double kMoverLasts_s = 5;
+  std::erase_if(movers_, [&](const Mover& mover) { return clock_s_ - mover.seen_s > kMoverLasts_s; });
+  std::vector<ObstaclePoint> left;
+  for (const NearEcho& echo : echoes_.confirmed(X_WL, blanking_m_, config_, clock_s_)) {
+    if (!passes_by(X_WL * Eigen::Vector3d(echo.place.x(), echo.place.y(), 0))) left.push_back(where_now(echo, X_WL));
   }
   return left;
 }
@@ -74,11 +90,10 @@ void SafetyOfficer::check_collision() {
     t.drift = 0;
     speed = std::max(speed, order_ ? order_->speed : 0);
   }
-  const std::vector<Eigen::Vector2d> echoes =
-      at_its_depth(X_WL, echoes_.confirmed(X_WL, blanking_m_, config_, clock_s_));
+  const std::vector<ObstaclePoint> echoes = confirmed_echoes(X_WL);
   if (vehicle_.min_speed > 0) {
-    const std::vector<Eigen::Vector2d> known = known_points(X_WL, echoes), fence = fence_points(X_WL);
-    std::vector<Eigen::Vector2d> all = fence;
+    const std::vector<ObstaclePoint> known = known_points(X_WL, echoes), fence = fence_points(X_WL);
+    std::vector<ObstaclePoint> all = fence;
     all.insert(all.end(), known.begin(), known.end());
     check_fence(X_WL, fence, all);
     choose_circle(X_WL, all);

@@ -42,23 +42,31 @@ Angle steered(const Escape& escape, Angle heading) {
 
 }  // namespace
 
-/// The known points around the vehicle, in its frame: raw echoes, and the outlines of obstacles, seen, remembered,
-/// charted and mapped.
-std::vector<Vector2d> SafetyOfficer::known_points(const Pose& X_WL, std::span<const Vector2d> echoes_L) const {
-  std::vector<Vector2d> points(echoes_L.begin(), echoes_L.end());
+/// The known points around the vehicle, in its frame: raw echoes, and the outlines of obstacles, moving, seen,
+/// remembered, charted and mapped.
+std::vector<ObstaclePoint> SafetyOfficer::known_points(const Pose& X_WL,
+                                                       std::span<const ObstaclePoint> echoes_L) const {
+  std::vector<ObstaclePoint> points(echoes_L.begin(), echoes_L.end());
   const Pose X_LW = X_WL.inverse();
   for (const std::vector<Vector2d>* some : {&mapped_W_, &charted_W_}) {
     for (const Vector2d& p : *some) {
       const Eigen::Vector3d p_W(p.x(), p.y(), X_WL.translation.z());
-      if (!passes_by(p_W)) points.emplace_back((X_LW * p_W).head<2>());
+      if (!passes_by(p_W)) points.push_back({(X_LW * p_W).head<2>()});
+    }
+  }
+  for (const Mover& mover : movers_) {
+    const Eigen::Vector3d v_W(mover.velocity_W.x(), mover.velocity_W.y(), 0);
+    const Vector2d velocity = (X_LW.rotation * v_W).head<2>(), moved = (clock_s_ - mover.seen_s) * velocity;
+    for (const Vector2d& p : mover.outline_W) {
+      points.push_back({(X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>() + moved, velocity});
     }
   }
   return points;
 }
 
 /// Points of the fence around the vehicle, in its frame.
-std::vector<Vector2d> SafetyOfficer::fence_points(const Pose& X_WL) const {
-  std::vector<Vector2d> points;
+std::vector<ObstaclePoint> SafetyOfficer::fence_points(const Pose& X_WL) const {
+  std::vector<ObstaclePoint> points;
   if (!fenced()) return points;
   const Polygon& fence = plan_->fence;
   const Vector2d here = X_WL.translation.head<2>();
@@ -74,7 +82,7 @@ std::vector<Vector2d> SafetyOfficer::fence_points(const Pose& X_WL) const {
     for (int k = 0; k <= pieces; ++k) {
       const Vector2d p = fence[i] + std::min(begin + k * kFenceApart, end) / length * side;
       if (!((p - here).norm() < kFenceNear)) continue;
-      points.emplace_back((X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>());
+      points.push_back({(X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>()});
     }
   }
   return points;
@@ -110,7 +118,8 @@ double SafetyOfficer::ordered_turn() const {
 
 // A vehicle that cannot stop turns away from the fence, also while it surfaces: on a held heading it would leave. Its
 // turn keeps clear of all points where it can, those of the fence and the known ones.
-void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const Vector2d> fence_L, std::span<const Vector2d> all_L) {
+void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const ObstaclePoint> fence_L,
+                                std::span<const ObstaclePoint> all_L) {
   if (!fenced()) return;
   const Vector2d here = X_WL.translation.head<2>();
   if (!encloses(plan_->fence, here)) {  // it is told as a breach: back over the nearest point
@@ -135,7 +144,7 @@ void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const Vector2d> fenc
 }
 
 // A vehicle that surfaces circles where there is room: on a held heading it would go on into what it has not seen.
-void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const Vector2d> all_L) {
+void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const ObstaclePoint> all_L) {
   const auto is_outside = [&] { return fenced() && !encloses(plan_->fence, X_WL.translation.head<2>()); };
   if (action_.kind != SafetyActionKind::kSurface || is_outside()) {
     circle_ = 0;
@@ -151,7 +160,7 @@ void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const Vector2d> al
   circle_ = to_port ? -1 : search.free(starboard) ? 1 : 0;
 }
 
-void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> known_L) {
+void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const ObstaclePoint> known_L) {
   EscapeTask task = escape_task(true);
   const EscapeSearch search(known_L, task);
   const Escape ordered = search.after(ordered_turn(), kLookAhead);

@@ -106,6 +106,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* reading = std::get_if<RangeReading>(&message)) on_range(*reading, now);
   if (const auto* health = std::get_if<Health>(&message)) on_health(*health, now);
   if (const auto* command = std::get_if<OperatorCommand>(&message)) on_command(*command);
+  if (const auto* sweep = std::get_if<Sweep>(&message)) on_sweep(*sweep);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan);
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart);
   if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
@@ -154,6 +155,9 @@ void SafetyOfficer::on_fix(const Navigation& fix, Time now) {
       jump_ = fmt::format("a fix {:.1f} m from the predicted position, {:.1f} m allowed", off.norm(), allowed);
       echoes_.shift(off);
       for (Eigen::Vector2d& p : mapped_W_) p += off;
+      for (Mover& mover : movers_) {
+        for (Eigen::Vector2d& p : mover.outline_W) p += off;
+      }
       space_.reset();
     }
     if (!fix.v_WB) next.v_W = jumped ? fix_->v_W : Eigen::Vector2d((to - from) / dt);
@@ -234,11 +238,21 @@ void SafetyOfficer::on_command(const OperatorCommand& command) {
   if (command.kind == OperatorCommand::Kind::kStart) start(command.plan);
 }
 
+void SafetyOfficer::on_sweep(const Sweep& sweep) {
+  if (!sweep.posed) return;
+  movers_.clear();
+  for (const Obstacle& obstacle : sweep.map->obstacles) {
+    if (!obstacle.moves() || obstacle.outline.empty() || !obstacle.motion.velocity_W.allFinite()) continue;
+    movers_.push_back(
+        {points_round(world_outline(obstacle, sweep.map->X_WB), kApart), obstacle.motion.velocity_W, clock_s_});
+  }
+}
+
 void SafetyOfficer::on_scan(const ObstacleScan& scan) {
   mapped_W_.clear();
   if (scan.posed && vehicle_.min_speed > 0) {  // only a vehicle that cannot stop needs an escape
     for (const Hazard& hazard : scan.hazards) {
-      if (hazard.kind == HazardKind::kFence) continue;
+      if (hazard.kind == HazardKind::kFence || hazard.kind == HazardKind::kMoving) continue;
       for (const Eigen::Vector2d& p_L : points_round(hazard.outline, kApart)) {
         if (!(p_L.norm() < kMapped)) continue;
         mapped_W_.emplace_back((scan.X_WL * Eigen::Vector3d(p_L.x(), p_L.y(), 0)).head<2>());
@@ -248,7 +262,7 @@ void SafetyOfficer::on_scan(const ObstacleScan& scan) {
   if (ever_planned_) return;
   inside_.clear();
   for (const Hazard& hazard : scan.hazards) {
-    if (hazard.kind == HazardKind::kFence || hazard.outline.size() < 3) continue;
+    if (hazard.kind == HazardKind::kFence || hazard.kind == HazardKind::kMoving || hazard.outline.size() < 3) continue;
     if (contains(hazard.outline, Eigen::Vector2d::Zero())) {
       inside_ = "the vehicle is inside an obstacle";
       return;

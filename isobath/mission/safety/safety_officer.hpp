@@ -18,6 +18,10 @@
 // the spot to the ordered heading, and the stop is over when the path there is free at the ordered speed. Echoes are
 // taken to be at the height of the sonar.
 //
+// Bodies that a tracker knows to move (Sweep) are taken to keep their velocity: echoes in the place that such a body
+// had when they came move with it, so it leaves no trail; its outline counts where it will be. An echo that belongs to
+// no such body stays where it is.
+//
 // Where a sonar that measures height (WorldSnapshot) has measured all water clear at the vehicle's depth and
 // `height_margin_m` above and below it, the vehicle passes over or under: neither echoes nor obstacles count at that
 // place (S5-35). Echoes that bottom or surface explain do not arrive here where depth and altitude are known
@@ -116,6 +120,7 @@ class SafetyOfficer final : public Agent {
   void on_health(const Health& health, Time now);
   void on_command(const OperatorCommand& command);
   void on_scan(const ObstacleScan& scan);
+  void on_sweep(const Sweep& sweep);
   void on_chart(const ChartedHazards& chart);
   void on_lost(const AgentLost& lost);
   void start(const std::shared_ptr<const MissionPlan>& plan);
@@ -149,17 +154,17 @@ class SafetyOfficer final : public Agent {
 
   // Escape manoeuvres of a vehicle that cannot stop (safety_escape.cpp)
   [[nodiscard]] bool passes_by(const Eigen::Vector3d& p_W) const;
-  [[nodiscard]] std::vector<Eigen::Vector2d> at_its_depth(const Pose& X_WL,
-                                                          std::span<const Eigen::Vector2d> echoes_L) const;
-  [[nodiscard]] std::vector<Eigen::Vector2d> known_points(const Pose& X_WL,
-                                                          std::span<const Eigen::Vector2d> echoes_L) const;
+  [[nodiscard]] std::vector<ObstaclePoint> confirmed_echoes(const Pose& X_WL);
+  [[nodiscard]] ObstaclePoint where_now(const NearEcho& echo, const Pose& X_WL) const;
+  [[nodiscard]] std::vector<ObstaclePoint> known_points(const Pose& X_WL,
+                                                        std::span<const ObstaclePoint> echoes_L) const;
   /// `wary`: reckons with a current from astern that the headings so far have not shown.
   [[nodiscard]] EscapeTask escape_task(bool wary) const;
   [[nodiscard]] double ordered_turn() const;
-  [[nodiscard]] std::vector<Eigen::Vector2d> fence_points(const Pose& X_WL) const;
-  void check_fence(const Pose& X_WL, std::span<const Eigen::Vector2d> fence_L, std::span<const Eigen::Vector2d> all_L);
-  void choose_circle(const Pose& X_WL, std::span<const Eigen::Vector2d> all_L);
-  void check_escape(const Pose& X_WL, std::span<const Eigen::Vector2d> known_L);
+  [[nodiscard]] std::vector<ObstaclePoint> fence_points(const Pose& X_WL) const;
+  void check_fence(const Pose& X_WL, std::span<const ObstaclePoint> fence_L, std::span<const ObstaclePoint> all_L);
+  void choose_circle(const Pose& X_WL, std::span<const ObstaclePoint> all_L);
+  void check_escape(const Pose& X_WL, std::span<const ObstaclePoint> known_L);
 
   // Acting (safety_officer.cpp)
   void settle(const FaultRow& about, Time now, Outbox& out);
@@ -190,8 +195,15 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, SonarHealthMonitor> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
-  std::vector<Eigen::Vector2d> mapped_W_;           ///< points on the outlines of the last scan's obstacles
-  std::vector<Eigen::Vector2d> charted_W_;          ///< the same for the hazards of chart and depth map
+  std::vector<Eigen::Vector2d> mapped_W_;   ///< points on the outlines of the last scan's obstacles
+  std::vector<Eigen::Vector2d> charted_W_;  ///< the same for the hazards of chart and depth map
+  /// A body that moves, at the last sweep.
+  struct Mover {
+    Polygon outline_W;
+    Eigen::Vector2d velocity_W;
+    double seen_s;
+  };
+  std::vector<Mover> movers_;
   std::optional<double> ahead_s_;                   ///< last range of a sonar that looks ahead
   std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
   double blanking_m_ = 0;                           ///< blanking distance of the sonar

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/agents/goal_selector.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
+#include <numbers>
+
+namespace isobath {
+
+using Eigen::Vector2d;
+
+namespace {
+
+constexpr double kFreshFix_s = 2, kFreshHazards_s = 10;
+constexpr double kReach_m = 5;      ///< nearest approach within which a body counts
+constexpr double kCourse = 0.3;     ///< m/s, above which the course over ground counts, not the heading
+constexpr double kSlack = 0.05;     ///< m/s between minimum and maximum speed of a planner
+constexpr double kOffCourse = 0.5;  ///< rad
+constexpr double kCorner_m = 3;     ///< within which a corner of the route is reached
+constexpr double kTell_m = 10;      ///< passages that are nearer are told
+constexpr double kSpot = 0.5;       ///< m, turning radius of a vehicle that turns on the spot
+constexpr double kPlanStep_s = 1;   ///< between the places of a plan that a decision shows
+
+/// The outline of a body that moves includes the uncertainty of its position.
+MovingBody body_of(const Obstacle& obstacle, const Detection& map) {
+  const Polygon outline_W = world_outline(obstacle, map.X_WB);
+  MovingBody body;
+  body.number = obstacle.number;
+  for (const Vector2d& p : outline_W) body.p_W += p / static_cast<double>(outline_W.size());
+  body.velocity_W = obstacle.motion.velocity_W;
+  if (outline_W.size() > 1) {
+    for (const Vector2d& p : outline_W) body.outline.push_back(p - body.p_W);
+  }
+  body.velocity_covariance = obstacle.motion.velocity_covariance;
+  body.time = map.time;
+  return body;
+}
+
+MovingBody body_of(const Hazard& hazard, Time time) {
+  MovingBody body;
+  body.number = hazard.obstacle;
+  for (const Vector2d& p : hazard.outline) body.p_W += p / static_cast<double>(hazard.outline.size());
+  body.radius_m = std::max(0.0, hazard.margin_m);
+  if (hazard.outline.size() > 1) {
+    for (const Vector2d& p : hazard.outline) body.outline.push_back(p - body.p_W);
+  }
+  body.time = time;
+  return body;
+}
+
+}  // namespace
+
+std::vector<Field> fields(GoalSelectorConfig& c) {
+  std::vector<Field> all = {
+      Field::flag("on", &c.on, "Whether motions past moving bodies are planned in time."),
+      Field::real("track_m", &c.track_m, {0.05, 100}, "m",
+                  "Distance from the plan at which it is made anew from the vehicle's place."),
+      Field::real("lead_s", &c.lead_s, {0.2, 30}, "s", "Time ahead on the plan that the vehicle steers for."),
+      Field::real("turn_reserve", &c.turn_reserve, {1, 10}, "1", "Turning radius of a plan, in that of the vehicle."),
+  };
+  for (Field& field : fields(c.planner)) all.push_back(std::move(field));
+  return all;
+}
+
+GoalSelector::GoalSelector(const GoalSelectorConfig& config, const VehicleParameters& vehicle)
+    : config_(config), vehicle_(vehicle) {}
+
+void GoalSelector::on_message(const Message& message, Time now, Outbox&) {
+  if (!config_.on) return;
+  if (const auto* fix = std::get_if<Navigation>(&message)) {
+    if (fix->X_WB.is_finite()) here_ = *fix;
+  }
+  if (const auto* sweep = std::get_if<Sweep>(&message)) take_bodies(*sweep);
+  if (const auto* hazards = std::get_if<StillHazards>(&message)) {
+    still_.emplace(now, HazardMap(*hazards->hazards));
+  }
+  if (const auto* order = std::get_if<FollowOrder>(&message)) {
+    order_ = *order;
+    passed_ = 0;
+  }
+  if (const auto* passed = std::get_if<WaypointPassed>(&message)) {
+    if (passed->version == order_.version) passed_ = std::max(passed_, passed->index + 1);
+  }
+  if (const auto* action = std::get_if<SafetyAction>(&message)) {
+    overruled_ = action->kind != SafetyActionKind::kNone && action->kind != SafetyActionKind::kSlow;
+  }
+}
+
+void GoalSelector::take_bodies(const Sweep& sweep) {
+  if (!sweep.posed) return;
+  moving_.clear();
+  for (const Obstacle& obstacle : sweep.map->obstacles) {
+    if (obstacle.moves() && !obstacle.outline.empty()) moving_.push_back(body_of(obstacle, *sweep.map));
+  }
+}
+
+bool GoalSelector::may_steer(Time now) const {
+  return config_.on && !overruled_ && !order_.surface && passed_ < order_.waypoints.size() && here_ && here_->v_WB &&
+         to_seconds(now - here_->time) < kFreshFix_s && still_ && to_seconds(now - still_->heard) < kFreshHazards_s;
+}
+
+bool GoalSelector::in_reach(const MovingBody& body, Time now) const {
+  const Vector2d p_W = body.p_W + to_seconds(now - body.time) * body.velocity_W;
+  const double nearer_m = (speed_ + body.velocity_W.norm()) * config_.planner.search.horizon_s;
+  return (p_W - here_->X_WB.translation.head<2>()).norm() - circumscribed_radius(body) - nearer_m < kReach_m;
+}
+
+/// That of the plan while the vehicle follows it, else the vehicle's.
+MotionState GoalSelector::own_state(Time now) const {
+  const double age_s = to_seconds(now - here_->time);
+  const Vector2d v_W = here_->v_WB->head<2>();
+  MotionState own;
+  own.p_W = here_->X_WB.translation.head<2>() + age_s * v_W;
+  own.speed = v_W.norm();
+  own.heading = own.speed > kCourse ? std::atan2(v_W.y(), v_W.x()) : here_->X_WB.rotation.heading().radians();
+  const Trajectory& plan = planner_->plan().trajectory;
+  const double from_s = to_seconds(now - planner_->plan().start);
+  if (!plan.segments.empty() && from_s >= 0 && from_s < plan.duration_s()) {
+    const MotionState there = plan.at(from_s);
+    const double turned = std::abs(std::remainder(own.heading - there.heading, 2 * std::numbers::pi));
+    if ((own.p_W - there.p_W).norm() < config_.track_m && turned < kOffCourse) return there;
+  }
+  own.speed = std::clamp(own.speed, vehicle_.min_speed, speed_);
+  return own;
+}
+
+std::size_t GoalSelector::waypoint_in_sight() const {
+  const Vector2d here = here_->X_WB.translation.head<2>();
+  const double room_m = vehicle_.hull_radius_m + config_.planner.margin_m;
+  for (std::size_t i = order_.waypoints.size() - 1; i > passed_; --i) {
+    if (still_->map.leg_is_clear(here, {order_.waypoints[i].north, order_.waypoints[i].east}, room_m)) return i;
+  }
+  return passed_;
+}
+
+/// A planner for the speed of the order, with a way-point of it as its goal.
+void GoalSelector::aim() {
+  waypoint_ = waypoint_in_sight();
+  const Waypoint& goal = order_.waypoints[waypoint_];
+  const double speed = std::clamp(goal.speed, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
+  const bool anew = !planner_ || speed != speed_;
+  if (anew) {
+    TrafficVehicle v;
+    v.radius_m = vehicle_.hull_radius_m;
+    v.turning_radius_m = config_.turn_reserve * std::max(vehicle_.limits.turning_radius, kSpot);
+    v.max_turn_rate = vehicle_.limits.max_yaw_rate.radians() / config_.turn_reserve;
+    v.min_speed = vehicle_.min_speed;
+    v.max_speed = speed;
+    v.acceleration = vehicle_.limits.max_acceleration;
+    v.braking = vehicle_.braking;
+    planner_.emplace(config_.planner, v);
+    speed_ = speed;
+    told_plan_ = 0;
+  }
+  if (!anew && goal.north == goal_.north && goal.east == goal_.east && goal.radius_m == goal_.radius_m) return;
+  goal_ = goal;
+  const bool last = waypoint_ + 1 == order_.waypoints.size();
+  planner_->set_goal({goal.north, goal.east}, last && goal.radius_m > 0 ? goal.radius_m : kCorner_m);
+}
+
+void GoalSelector::tick(Time now, Outbox& out) {
+  if (moving_.empty() || !may_steer(now)) return;
+  aim();
+  bodies_.clear();
+  for (const MovingBody& body : moving_) {
+    if (in_reach(body, now)) bodies_.push_back(body);
+  }
+  if (bodies_.empty()) return;
+  for (const Hazard& hazard : still_->map.hazards()) bodies_.push_back(body_of(hazard, now));
+  const TrafficPlan& plan = planner_->step(own_state(now), now, bodies_);
+  if (plan.action == TrafficAction::kRefuse) return;
+  const Time at = now + seconds(config_.lead_s);
+  out.say(MotionOrder{order_.version, waypoint_, now, plan.trajectory.at(to_seconds(at - plan.start)).p_W, at});
+  tell(now, out);
+}
+
+void GoalSelector::tell(Time now, Outbox& out) {
+  const TrafficPlan& plan = planner_->plan();
+  if (plan.number == told_plan_) return;
+  told_plan_ = plan.number;
+  std::erase_if(told_, [&](const auto& one) { return to_seconds(now - one.second) > kTellAgain_s; });
+  const MovingBody* nearest = nullptr;
+  ClosestApproach approach;
+  for (const Passage& passage : planner_->passages(now, kTell_m)) {
+    const auto body = std::ranges::find(moving_, passage.number, &MovingBody::number);
+    if (body == moving_.end() || (nearest && passage.gap_m >= approach.gap_m)) continue;
+    nearest = &*body;
+    approach = {passage.time_s, passage.gap_m};
+  }
+  if (!nearest || told_.contains(nearest->number)) return;
+  told_[nearest->number] = now;
+  const Angle course = Angle::radians(std::atan2(nearest->velocity_W.y(), nearest->velocity_W.x())).wrapped_positive();
+  Decision d{now, "goal selector", to_text(plan.action), {}};
+  d.obstacle = nearest->p_W;
+  d.obstacle_number = nearest->number;
+  d.approach = approach;
+  d.reason =
+      fmt::format("{}obstacle {}, which moves at {:.1f} m/s to {:03.0f} deg, comes as near as {:.1f} m in {:.0f} s",
+                  plan.reason.empty() ? "" : plan.reason + "; ", nearest->number, nearest->velocity_W.norm(),
+                  course.degrees(), std::max(0.0, approach.gap_m), approach.in_s);
+  const double shown_s = std::min(plan.trajectory.duration_s(), config_.planner.search.horizon_s);
+  for (double t = 0; t <= shown_s; t += kPlanStep_s) d.way.push_back(plan.trajectory.at(t).p_W);
+  out.say(std::move(d));
+}
+
+}  // namespace isobath

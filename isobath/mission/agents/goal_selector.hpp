@@ -1,0 +1,81 @@
+// GoalSelector: the motion past bodies that move, to the way-point ahead (the Goal Selector and Adapter of Rodin, Amin
+// c. 1988, 2.2, 2.3; ledger S3-18 to S3-22, S3-30, S3-37).
+//
+// Receives Sweep (bodies that move, with velocity and covariance), StillHazards, FollowOrder, WaypointPassed,
+// Navigation and SafetyAction. Sends MotionOrder at each tick while a body that moves is within reach, and Decision.
+//
+// The Navigator's route leads past what lies still. The goal is the last of its way-points that can be reached in a
+// straight line past the still hazards, else the way-point ahead. A TrafficPlanner plans place and speed over time:
+// past moving bodies as they are predicted, with their uncertainty, and past the still hazards. A body is within reach
+// if it could meet the vehicle within the planner's horizon. Out of their reach, and where the route leads over or
+// under a hazard, the Pilot follows the legs of the route, and the Navigator avoids moving bodies by the water that
+// they cross in the next seconds.
+//
+// The vehicle need not follow the plan exactly. While it is within `track_m` of the place and speed of the plan, the
+// plan is checked and continued from its own state; farther off, it is made anew from the vehicle's. The margin to all
+// bodies must therefore be more than `track_m`. The Safety Officer has the last word: while it stops or turns the
+// vehicle there is no order.
+//
+// A decision tells which body the plan passes, when, and how near (S3-21), once for each body in kTellAgain_s.
+//
+// Frame W, m, s. A function of its messages. Cost: one step of the planner at each tick, see traffic_planner.hpp.
+#pragma once
+
+#include <isobath/mission/messages/agent.hpp>
+#include <isobath/planning/traffic/traffic_planner.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
+#include <map>
+#include <optional>
+
+namespace isobath {
+
+struct GoalSelectorConfig {
+  bool on = true;
+  double track_m = 1;
+  double lead_s = 2;
+  double turn_reserve = 1.2;
+  TrafficConfig planner = {.margin_m = 2, .sigmas = 1, .roads = false, .search = {}};
+};
+
+std::vector<Field> fields(GoalSelectorConfig& config);
+
+class GoalSelector final : public Agent {
+ public:
+  static constexpr double kTellAgain_s = 20;
+
+  GoalSelector(const GoalSelectorConfig& config, const VehicleParameters& vehicle);
+
+  void on_message(const Message& message, Time now, Outbox& out) override;
+  void tick(Time now, Outbox& out) override;
+
+ private:
+  void take_bodies(const Sweep& sweep);
+  [[nodiscard]] bool may_steer(Time now) const;
+  [[nodiscard]] bool in_reach(const MovingBody& body, Time now) const;
+  [[nodiscard]] MotionState own_state(Time now) const;
+  [[nodiscard]] std::size_t waypoint_in_sight() const;
+  void aim();
+  void tell(Time now, Outbox& out);
+
+  GoalSelectorConfig config_;
+  VehicleParameters vehicle_;
+  std::optional<TrafficPlanner> planner_;  ///< for the speed of the present order
+  double speed_ = 0;                       ///< of that planner, m/s
+  std::size_t waypoint_ = 0;               ///< its goal
+  Waypoint goal_;
+
+  std::optional<Navigation> here_;
+  FollowOrder order_;
+  std::size_t passed_ = 0;  ///< way-points of the order that lie behind
+  struct Still {
+    Time heard;
+    HazardMap map;
+  };
+  std::optional<Still> still_;
+  std::vector<MovingBody> moving_, bodies_;
+  bool overruled_ = false;  ///< the Safety Officer stops or turns the vehicle
+  int told_plan_ = 0;       ///< number of the last plan that `tell` has seen
+  std::map<int, Time> told_;
+};
+
+}  // namespace isobath
