@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <isobath/geometry/deviation.hpp>
 #include <isobath/onboard/moving_bodies.hpp>
+#include <numbers>
 
 namespace isobath {
 namespace {
@@ -14,6 +15,8 @@ constexpr double kSignificant = 3;  // standard deviations of the speed, above z
 constexpr std::size_t kMaxHeads = 16;
 constexpr std::uint32_t kDoubtReadings = 6;  // before that, nothing is known of its motion
 constexpr double kThinnest = 0.2;            // m: half of the least side of an outline
+constexpr double kEven = 1.732;  // half of a line over the standard deviation of echoes that are spread evenly over it
+constexpr int kCorners = 8;      // of an outline about the ellipse
 
 double position_sigma(const BodyTrack& track) {
   return greatest_deviation(track.filter.estimate().covariance.topLeftCorner<2, 2>());
@@ -276,9 +279,12 @@ void MovingBodies::mark_doubtful(Time time, const Pose& X_WB, std::vector<Obstac
     const auto body = bodies_.find(track.number);
     if (body == bodies_.end() || body->second.moves || !body->second.may_move) continue;
     const Place place = place_of(track, time);
+    const MotionFilter::Estimate e = track.filter.estimate();
     for (Obstacle& o : obstacles) {
       const Eigen::Vector3d centre_W = X_WL * Eigen::Vector3d(o.centre.x(), o.centre.y(), 0);
-      o.may_move = o.may_move || place.contains(centre_W.head<2>());
+      if (o.may_move || !place.contains(centre_W.head<2>())) continue;
+      o.may_move = true;
+      o.motion = {e.mean.segment<2>(2), e.covariance.topLeftCorner<2, 2>(), e.covariance.block<2, 2>(2, 2), 0};
     }
   }
 }
@@ -297,14 +303,13 @@ std::vector<Obstacle> MovingBodies::obstacles(Time time, const Pose& X_WB) const
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(track.extent);
     Obstacle o;
     std::vector<Eigen::Vector2d> corners;
-    for (const double a : {-1.0, 1.0}) {
-      for (const double b : {-1.0, 1.0}) {
-        const auto half = [&](int i) {
-          return std::max(kThinnest, kSigmas * std::sqrt(std::max(axes.eigenvalues()[i], 0.0))) + sigma;
-        };
-        corners.emplace_back(
-            centre + R_LW * (a * half(0) * axes.eigenvectors().col(0) + b * half(1) * axes.eigenvectors().col(1)));
-      }
+    const auto half = [&](int i) {
+      return std::max(kThinnest, kEven * std::sqrt(std::max(axes.eigenvalues()[i], 0.0))) + sigma;
+    };
+    for (int i = 0; i < kCorners; ++i) {
+      const double angle = (2 * i + 1) * std::numbers::pi / kCorners, grown = 1 / std::cos(std::numbers::pi / kCorners);
+      corners.emplace_back(centre + grown * (R_LW * (std::cos(angle) * half(0) * axes.eigenvectors().col(0) +
+                                                     std::sin(angle) * half(1) * axes.eigenvectors().col(1))));
     }
     o.outline = convex_hull(std::move(corners));
     o.nearest = nearest_point(o.outline, Eigen::Vector2d::Zero());

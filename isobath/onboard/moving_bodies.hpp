@@ -70,7 +70,8 @@ class MovingBodies {
   /// and what had its last echo kForgotten_s ago where a body passed in the last kWake_s. (A long body, whose middle
   /// echoes from one place as it passes, leaves that behind where no beam comes any more.)
   void clear_trails(BodyGrid& grid, Time time, const Pose& X_WB);
-  /// Sets `may_move` of obstacles of a scan at this time and pose on which a track lies that may move.
+  /// Sets `may_move` and the motion, without the number of the track, of obstacles of a scan at this time and pose on
+  /// which a track lies that may move.
   void mark_doubtful(Time time, const Pose& X_WB, std::vector<Obstacle>& obstacles) const;
   /// The bodies that move, as obstacles of a scan at this time and pose; not numbered.
   [[nodiscard]] std::vector<Obstacle> obstacles(Time time, const Pose& X_WB) const;

@@ -52,6 +52,7 @@ std::optional<Vector2d> EscapeSearch::met_at(const State& state, double s, doubl
   const double room = std::clamp(at_start_ - kNearer + kLeaving * s, 0.0, task_.room_m);
   std::optional<Vector2d> met;
   for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (state.time_s > task_.moving_s && !points_[i].velocity.isZero(0)) continue;
     const Vector2d point = points_[i].place + state.time_s * points_[i].velocity;
     const Vector2d to = point - state.place;
     double away2 = to.squaredNorm();

@@ -48,7 +48,7 @@ struct Obstacle {
   /// (obstacle_numbers.hpp). A detector alone numbers the obstacles of each scan afresh, nearest first.
   int number = 0;
   ObstacleMotion motion;
-  bool may_move = false;  ///< it does not move as far as is known, but probably does not lie still either
+  bool may_move = false;  ///< it is not known to move, but probably does not lie still; `motion` is a first estimate
 
   [[nodiscard]] bool moves() const { return motion.track != 0; }
 };

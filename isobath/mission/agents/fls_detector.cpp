@@ -56,12 +56,13 @@ void FlsDetector::on(const Sweep& sweep, Outbox& out) {
   const Detection& map = *sweep.map;
   X_WL_seen_ = level(map.X_WB);
   seen_.clear();
+  const bool traffic = std::ranges::any_of(map.obstacles, &Obstacle::moves);
   for (const Obstacle& o : map.obstacles) {
     // The echoes of a moving obstacle reach no map: it counts until its track is improbable.
     if (o.existence < (o.moves() ? kMovingExistence : config_.min_existence) || o.outline.empty()) continue;
     seen_.push_back({outline_ahead(o, X_WL_seen_, config_.moving_ahead_s), config_.margin_cells * map.cells.cell_m,
-                     o.moves() ? HazardKind::kMoving : HazardKind::kSeen, static_cast<std::uint32_t>(seen_.size()),
-                     o.number});
+                     o.moves() || (traffic && o.may_move) ? HazardKind::kMoving : HazardKind::kSeen,
+                     static_cast<std::uint32_t>(seen_.size()), o.number});
   }
   if (sweep.posed) remember(sweep);
   say_scan(map.time, X_WL_seen_, sweep.posed, out);

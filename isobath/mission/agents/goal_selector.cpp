@@ -56,6 +56,8 @@ std::vector<Field> fields(GoalSelectorConfig& c) {
       Field::real("track_m", &c.track_m, {0.05, 100}, "m",
                   "Distance from the plan at which it is made anew from the vehicle's place."),
       Field::real("lead_s", &c.lead_s, {0.2, 30}, "s", "Time ahead on the plan that the vehicle steers for."),
+      Field::real("max_growth_m", &c.max_growth_m, {0, 1000}, "m",
+                  "The uncertainty of its velocity lets a body grow by at most this within the horizon."),
       Field::real("turn_reserve", &c.turn_reserve, {1, 10}, "1", "Turning radius of a plan, in that of the vehicle."),
   };
   for (Field& field : fields(c.planner)) all.push_back(std::move(field));
@@ -89,9 +91,17 @@ void GoalSelector::on_message(const Message& message, Time now, Outbox&) {
 void GoalSelector::take_bodies(const Sweep& sweep) {
   if (!sweep.posed) return;
   moving_.clear();
+  const bool traffic = std::ranges::any_of(sweep.map->obstacles, &Obstacle::moves);
   for (const Obstacle& obstacle : sweep.map->obstacles) {
-    if (obstacle.moves() && !obstacle.outline.empty()) moving_.push_back(body_of(obstacle, *sweep.map));
+    const bool counts = obstacle.moves() || (traffic && obstacle.may_move);
+    if (counts && !obstacle.outline.empty()) moving_.push_back(bounded(body_of(obstacle, *sweep.map)));
   }
+}
+
+MovingBody GoalSelector::bounded(MovingBody body) const {
+  const double growth_m = predicted_growth(body, config_.planner.search.horizon_s, config_.planner.sigmas);
+  if (growth_m > config_.max_growth_m) body.velocity_covariance *= std::pow(config_.max_growth_m / growth_m, 2);
+  return body;
 }
 
 bool GoalSelector::may_steer(Time now) const {

@@ -1,8 +1,9 @@
 // GoalSelector: the motion past bodies that move, to the way-point ahead (the Goal Selector and Adapter of Rodin, Amin
 // c. 1988, 2.2, 2.3; ledger S3-18 to S3-22, S3-30, S3-37).
 //
-// Receives Sweep (bodies that move, with velocity and covariance), StillHazards, FollowOrder, WaypointPassed,
-// Navigation and SafetyAction. Sends MotionOrder at each tick while a body that moves is within reach, and Decision.
+// Receives Sweep (bodies that move or may move, with velocity and covariance), StillHazards, FollowOrder,
+// WaypointPassed, Navigation and SafetyAction. Sends MotionOrder at each tick while a body that moves is within reach,
+// and Decision.
 //
 // The Navigator's route leads past what lies still. The goal is the last of its way-points that can be reached in a
 // straight line past the still hazards, else the way-point ahead. A TrafficPlanner plans place and speed over time:
@@ -15,6 +16,9 @@
 // plan is checked and continued from its own state; farther off, it is made anew from the vehicle's. The margin to all
 // bodies must therefore be more than `track_m`. The Safety Officer has the last word: while it stops or turns the
 // vehicle there is no order.
+//
+// New readings will come before a body is met: its outline grows by at most `max_growth_m` within the horizon, however
+// little its velocity is known now. Without that bound the water ahead of a few new bodies would be closed.
 //
 // A decision tells which body the plan passes, when, and how near (S3-21), once for each body in kTellAgain_s.
 //
@@ -31,10 +35,11 @@ namespace isobath {
 
 struct GoalSelectorConfig {
   bool on = true;
-  double track_m = 1;
+  double track_m = 0.6;
   double lead_s = 2;
   double turn_reserve = 1.2;
-  TrafficConfig planner = {.margin_m = 2, .sigmas = 1, .roads = false, .search = {}};
+  double max_growth_m = 1;
+  TrafficConfig planner = {.margin_m = 1.2, .sigmas = 1, .roads = false, .search = {}};
 };
 
 std::vector<Field> fields(GoalSelectorConfig& config);
@@ -50,6 +55,7 @@ class GoalSelector final : public Agent {
 
  private:
   void take_bodies(const Sweep& sweep);
+  [[nodiscard]] MovingBody bounded(MovingBody body) const;
   [[nodiscard]] bool may_steer(Time now) const;
   [[nodiscard]] bool in_reach(const MovingBody& body, Time now) const;
   [[nodiscard]] MotionState own_state(Time now) const;

@@ -172,8 +172,11 @@ bool Navigator::hand_over_moving(std::vector<Hazard>& hazards) {
     handed_over_.reset();
     return false;
   }
+  traffic_ = now_;
   if (through_ || opening_.flies()) return false;
   if (!handed_over_) handed_over_ = now_;
+  const bool overruled = action_ != SafetyActionKind::kNone && action_ != SafetyActionKind::kSlow;
+  if (overruled && steered_ > *handed_over_) steered_ = now_;  // it goes on where the Safety Officer lets it
   if (now_ - std::max(*handed_over_, steered_) <= MotionOrder::kLasts) std::erase_if(hazards, moves);
   return true;
 }

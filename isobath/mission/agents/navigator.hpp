@@ -182,6 +182,7 @@ class Navigator : public Agent {
   double budget_share_ = 1;  ///< share of the budget that the computer leaves
   SafetyActionKind action_ = SafetyActionKind::kNone;
   std::optional<Time> handed_over_;  ///< since when bodies move that the Goal Selector knows of
+  std::optional<Time> traffic_;      ///< when a body last moved
   Time steered_{};                   ///< its last order
   bool look_at_tick_ = false;
   bool new_scan_ = false;  ///< the current cycle is that of a new scan

@@ -11,6 +11,9 @@ using Eigen::Vector2d;
 
 namespace {
 
+constexpr double kTraffic_s = 30;  // for which a body that moved counts
+constexpr int kTrafficScans = 5;   // times `sure_scans`
+
 double outline_distance(const Hazard& hazard, const Vector2d& p) {
   return (p - nearest_point(hazard.outline, p)).norm();
 }
@@ -43,7 +46,9 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   if (nearest == nullptr) return {};
   // From afar an obstacle is no reason to give up the point: the vehicle goes on and looks again.
   const bool far = (goal - vehicle).norm() > config_.decide_within_m;
-  if (!sure && (far || goal_blocked_ < config_.sure_scans)) {
+  // Among bodies that move, one at the point may not be known to move yet.
+  const bool traffic = traffic_ && to_seconds(now_ - *traffic_) < kTraffic_s;
+  if (!sure && (far || goal_blocked_ < config_.sure_scans * (traffic ? kTrafficScans : 1))) {
     std::erase_if(hazards,
                   [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
     return {};

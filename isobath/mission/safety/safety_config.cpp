@@ -84,6 +84,8 @@ std::vector<Field> collision_fields(SafetyConfig& c) {
       Field::real("side_margin_m", &c.side_margin_m, {0, 100}, "m", "Distance to be left beside the hull."),
       Field::real("escape_s", &c.escape_s, {1, 120}, "s",
                   "An escape manoeuvre of a vehicle that cannot stop must be free for this long."),
+      Field::real("escape_moving_s", &c.escape_moving_s, {0, 120}, "s",
+                  "The same of bodies that move: later, their place is not known."),
       Field::real("unknown_current", &c.unknown_current, {0, 10}, "m/s",
                   "Current that may be unknown to a vehicle that cannot stop, until its headings have shown it."),
       wait("collision_abort_s", &c.collision_abort_s, "An obstacle on the path ends the mission after this time."),

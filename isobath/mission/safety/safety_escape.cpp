@@ -104,6 +104,7 @@ EscapeTask SafetyOfficer::escape_task(bool wary) const {
   task.lag_s = kTurnsWithin * radius / flow;
   task.turn_now = fix_->yaw_rate;
   task.horizon_s = config_.escape_s;
+  task.moving_s = config_.escape_moving_s;
   task.room_m = vehicle_.hull_radius_m + config_.collision_margin_m;
   return task;
 }
