@@ -255,6 +255,25 @@ TEST(ObstacleMemory, DoesNotLetGoOfWhatDriftMayHaveMovedOutOfView) {
   }
 }
 
+// One that may move is not stored, and what was stored of it goes; its neighbour stays. ledger: S3-21
+TEST(ObstacleMemory, KeepsNothingThatMayMove) {
+  ObstacleMemory memory;
+  Look look;
+  for (int i = 0; i < 6; ++i) {
+    fill(look, {box(10, 0, 1, 1), box(10, 8, 1, 1)}, at({0, 0}), i, 0.0);
+    for (int k = 0; k < 2; ++k) {
+      look.obstacles[k].number = k + 1;
+      look.obstacles[k].centre = {10, 8.0 * k};
+    }
+    look.obstacles[0].may_move = i > 3;
+    ASSERT_TRUE(memory.add(look.sweep));
+    EXPECT_EQ(memory.size(), i > 3 ? 1u : 2u) << i;
+  }
+  EXPECT_EQ(all_known(memory)[0].number, 2);
+  see(memory, {}, at({0, 0}), 6, 0.0, 5);
+  EXPECT_EQ(memory.size(), 1u) << "out of view";
+}
+
 // Three rocks, 4 m of drift: the pattern tells which is which, though the nearest stored one of the first is another.
 // Those seen take their new places; the one out of view keeps its own, and its margin. ledger: S6-66
 TEST(ObstacleMemory, TakesDriftOffBeforeItAssociates) {

@@ -75,6 +75,26 @@ TEST_F(FlsDetectorTest, CountsAMovingBodyWithTheWaterThatItIsAboutToCrossAndReme
   }
 }
 
+// A first estimate of a motion counts only where something is known to move: reverberation among still bodies has one,
+// too. ledger: S3-21
+TEST_F(FlsDetectorTest, AmongMovingBodiesCountsThoseThatMayMoveAsMoving) {
+  for (const bool traffic : {false, true}) {
+    auto map = std::make_shared<Detection>();
+    map->time = at(1);
+    map->X_WB = pose(0, 0, 0);
+    map->cells.cell_m = 0.5;
+    map->obstacles = {obstacle(square(15, 3, 1), 0.99), obstacle(square(30, 3, 1), 0.99)};
+    map->obstacles[0].may_move = true;
+    map->obstacles[0].motion.velocity_W = {0, 1};
+    if (traffic) map->obstacles[1].motion = {.velocity_W = {0, 1}, .track = 3};
+    const auto scans = only<ObstacleScan>(script.hear(Sweep{1, true, 0, map}, 1));
+    ASSERT_EQ(scans.size(), 1u);
+    ASSERT_EQ(scans[0].hazards.size(), 2u);
+    EXPECT_EQ(scans[0].hazards[0].kind, traffic ? HazardKind::kMoving : HazardKind::kSeen);
+    EXPECT_EQ(scans[0].hazards[0].outline, square(15, 3, 1)) << "where it is";
+  }
+}
+
 // ledger: S6-38
 TEST_F(FlsDetectorTest, SaysAtTheEndOfEachSweepWhatItHasSeen) {
   const auto scans = only<ObstacleScan>(sweep(1, pose(10, 20, 90), {square(15, 3, 1), square(30, -8, 2)}, 0.95, true));

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <isobath/mission/safety/near_echoes.hpp>
 #include <limits>
+#include <memory>
 #include <random>
 #include <tests/mission/safety_stream.hpp>
 #include <tests/planning/measured_water.hpp>
@@ -303,11 +304,60 @@ TEST(NearEchoes, StandStillInTheWorldAndMoveWithItsCorrections) {
   echoes.add({&at, 1}, first, 30, kLimits, 1.1);
   const auto seen = echoes.confirmed(second, 0, kLimits, 1.2);
   ASSERT_EQ(seen.size(), 1u);
-  EXPECT_NEAR((seen[0] - Vector2d(6, 0)).norm(), 0, 1e-9);
+  EXPECT_NEAR((seen[0].place - Vector2d(6, 0)).norm(), 0, 1e-9);
   echoes.shift({2, 0});
   const auto moved = echoes.confirmed(second, 0, kLimits, 1.2);
   ASSERT_EQ(moved.size(), 1u);
-  EXPECT_NEAR((moved[0] - Vector2d(6, -2)).norm(), 0, 1e-9);
+  EXPECT_NEAR((moved[0].place - Vector2d(6, -2)).norm(), 0, 1e-9);
+}
+
+/// A sweep of one square body about a place of W, which moves.
+Sweep sweep_of(const SafetyStream& stream, const Vector2d& place_W, const Vector2d& velocity_W) {
+  auto map = std::make_shared<Detection>();
+  map->time = stream.now();
+  map->X_WB = {Rotation::from_heading(Angle::radians(stream.heading)), {stream.place.x(), stream.place.y(), 0}};
+  Obstacle o{};
+  const Vector2d middle = Eigen::Rotation2Dd(-stream.heading) * Vector2d(place_W - stream.place);
+  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) o.outline.push_back(middle + Vector2d(x, y));
+  o.motion = {.velocity_W = velocity_W, .track = 1};
+  map->obstacles = {o};
+  return {1, true, 0, map};
+}
+
+// A body crosses 6 m ahead from port to starboard, faster than the vehicle. By its echoes alone, which count for 15 s,
+// it would leave a wall across the way; known to move, it has passed. ledger: S3-21 S2-28
+TEST(LastDitch, ABodyThatMovesLeavesNoWallOfEchoes) {
+  for (const bool tracked : {false, true}) {
+    SafetyStream stream(test::flying());
+    const Vector2d velocity(1.5, 2);
+    const auto body = [&] { return Vector2d(12 + 1.5 * stream.time_s(), -20 + 2 * stream.time_s()); };
+    stream.on_echoes = [&](SonarEchoes& heard) {
+      const Vector2d echo = Eigen::Rotation2Dd(-stream.heading) * Vector2d(body() - stream.place);
+      if (echo.x() > 0) heard.echoes_L.push_back(echo);
+    };
+    for (double s = 0.5; s <= 20; s += 0.5) {
+      stream.run_to(s);
+      if (tracked) stream.tell(sweep_of(stream, body(), velocity));
+    }
+    EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable) < 0, tracked);
+  }
+}
+
+// Head on, it is met though it is far away now.
+TEST(LastDitch, ABodyThatComesHeadOnIsEvadedInTime) {
+  SafetyStream stream(test::flying());
+  stream.run_to(1);
+  const Vector2d start = stream.place + Vector2d(30, 0), velocity(-1.5, 0);
+  const double from_s = stream.time_s();
+  double least = kNever;
+  for (double s = 1.5; s <= 20; s += 0.5) {
+    stream.run_to(s);
+    const Vector2d body = start + (stream.time_s() - from_s) * velocity;
+    stream.tell(sweep_of(stream, body, velocity));
+    least = std::min(least, (body - stream.place).norm());
+  }
+  EXPECT_GT(stream.acted(Act::kTurn), 0);
+  EXPECT_GT(least, 1.4 + stream.parameters.hull_radius_m) << "past its corners";
 }
 
 // A berm that rises to a metre below the vehicle's margin: every ping hears it, and it is no obstacle.

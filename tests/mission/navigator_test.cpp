@@ -102,6 +102,41 @@ TEST_F(NavigatorTest, LeadsStraightToAPointWhereNothingIsInTheWayAsSoonAsItHasLo
   EXPECT_EQ(Vector2d(routes[0].waypoints[0].north, routes[0].waypoints[0].east), Vector2d(200, 40));
 }
 
+// ledger: S3-21
+TEST_F(NavigatorTest, LeavesBodiesThatMoveToTheGoalSelectorWhileItSteersPastThem) {
+  sail_from(0, 0);
+  scan({});
+  ask(point(100, 0));
+  ASSERT_EQ(way().size(), 2u);
+  const auto crossing = [&] { return scan({square(30, 0, 2), square(60, 30, 2)}, HazardKind::kMoving); };
+  const auto first = crossing();
+  EXPECT_TRUE(only<RoutePlanned>(first).empty()) << "the Goal Selector is given the time to begin";
+  ASSERT_EQ(only<StillHazards>(first).size(), 1u);
+  EXPECT_TRUE(only<StillHazards>(first)[0].hazards->empty()) << "none lies still";
+  script->hear(MotionOrder{1, 0, at(now + 1), {5, 0}, at(now + 3)}, now + 1);
+  EXPECT_TRUE(only<RoutePlanned>(crossing()).empty());
+  EXPECT_EQ(only<RoutePlanned>(crossing()).size(), 1u) << "it does not steer any more";
+  EXPECT_GT(way().size(), 2u);
+}
+
+// One that is seen at the point may not be known to move yet.
+TEST_F(NavigatorTest, AmongBodiesThatMoveAPointIsGivenUpLater) {
+  for (const bool traffic : {false, true}) {
+    make();
+    sail_from(90, 0);
+    scan({});
+    ask(point(100, 0));
+    int scans = 0;
+    if (traffic) scan({square(60, 40, 2)}, HazardKind::kMoving);
+    while (only<RouteRefused>(script->said).empty() && scans < 40) {
+      scan({square(107, 2, 1)});
+      ++scans;
+    }
+    EXPECT_EQ(scans, traffic ? 5 * config.sure_scans : config.sure_scans);
+    agent.reset();
+  }
+}
+
 // ledger: S6-54 S6-E18
 TEST_F(NavigatorTest, ChangesNothingForWhatStandsBesideTheWayAndReplansAtTheNextMapWhenItStandsOnIt) {
   sail_from(0, 0);

@@ -74,6 +74,46 @@ TEST_F(PilotTest, AsksForBearingSpeedAndDepthOfTheWaypointAhead) {
   EXPECT_NEAR(setpoint().depth, 7, 1e-9);
 }
 
+// The order of the Goal Selector holds for half a second; then the line to the way-point begins where the vehicle is.
+// ledger: S3-21
+TEST_F(PilotTest, FollowsAMotionWhileItIsOrdered) {
+  make();
+  at_place(0, 0);
+  script->hear(FollowOrder{4, {{100, 0, 2, 1.5}}, {}, false}, now);
+  at_place(0, 0);
+  MotionOrder motion{4, 0, at(now), {0, 2}, at(now + 2)};
+  script->hear(motion, now);
+  at_place(0, 0);
+  EXPECT_NEAR(setpoint().heading.degrees(), 90, 1e-6);
+  EXPECT_NEAR(setpoint().speed, 2 / 1.9, 1e-6) << "to be there in time";
+  EXPECT_NEAR(setpoint().depth, 2, 1e-9) << "of the way-point";
+  motion.version = 3;
+  motion.place_W = {0, -2};
+  script->hear(motion, now);
+  at_place(0, 0);
+  EXPECT_GT(setpoint().heading.degrees(), 0) << "an order for another route does not count";
+  for (int i = 0; i < 6; ++i) at_place(0, 20);
+  EXPECT_NEAR(setpoint().heading.degrees(), -11.3, 2) << "from where it is, not back to the old line";
+}
+
+// Abeam is not enough among bodies that move: it may be far off the line.
+TEST_F(PilotTest, UnderAMotionTheLastWaypointIsPassedWithinItsRadiusOnly) {
+  make();
+  at_place(0, 0);
+  script->hear(FollowOrder{1, {{20, 0, 1, 1.5}, {50, 0, 1, 1.5}}, {}, false}, now);
+  const auto steered = [&](double north, double east, std::size_t waypoint) {
+    script->hear(MotionOrder{1, waypoint, at(now), {north + 3, east}, at(now + 2)}, now);
+    return only<WaypointPassed>(at_place(north, east));
+  };
+  const auto skipped = steered(5, 12, 1);
+  ASSERT_EQ(skipped.size(), 1u) << "the motion leads past the first way-point";
+  EXPECT_FALSE(skipped[0].reached || skipped[0].last);
+  EXPECT_TRUE(steered(52, 12, 1).empty());
+  const auto passed = steered(48, 2, 1);
+  ASSERT_EQ(passed.size(), 1u);
+  EXPECT_TRUE(passed[0].reached && passed[0].last);
+}
+
 TEST_F(PilotTest, TakesANewWayFromWhereItIs) {
   make();
   at_place(0, 0);

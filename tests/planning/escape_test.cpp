@@ -13,14 +13,14 @@ using Eigen::Vector2d;
 using std::numbers::pi;
 
 /// A row of points, not farther apart than half a metre.
-std::vector<Vector2d> row(const Vector2d& from, const Vector2d& to) {
-  std::vector<Vector2d> points;
+std::vector<ObstaclePoint> row(const Vector2d& from, const Vector2d& to) {
+  std::vector<ObstaclePoint> points;
   const int pieces = static_cast<int>(std::ceil((to - from).norm() / 0.5));
-  for (int i = 0; i <= pieces; ++i) points.emplace_back(from + (to - from) * i / pieces);
+  for (int i = 0; i <= pieces; ++i) points.push_back({from + (to - from) * i / pieces});
   return points;
 }
 
-void add(std::vector<Vector2d>& points, const std::vector<Vector2d>& more) {
+void add(std::vector<ObstaclePoint>& points, const std::vector<ObstaclePoint>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }
 
@@ -61,7 +61,7 @@ TEST(EscapeSearch, StraightOnMeetsAWallWhereItStands) {
 
 TEST(EscapeSearch, TurnsToTheSideThatIsOpen) {
   for (const int side : {1, -1}) {
-    std::vector<Vector2d> corner = row({12, -30}, {12, 30});
+    std::vector<ObstaclePoint> corner = row({12, -30}, {12, 30});
     add(corner, row({-30, side * 4.0}, {12, side * 4.0}));
     const EscapeSearch search(corner, task());
     const Escape best = search.best();
@@ -73,7 +73,7 @@ TEST(EscapeSearch, TurnsToTheSideThatIsOpen) {
 // A circle of 5 m to one side, what it takes to begin it, and the room beside: so wide must an alley be on either side.
 TEST(EscapeSearch, AnAlleyWithoutRoomToTurnHasNoWayOut) {
   const auto alley = [](double half_width) {
-    std::vector<Vector2d> points = row({-40, -half_width}, {15, -half_width});
+    std::vector<ObstaclePoint> points = row({-40, -half_width}, {15, -half_width});
     add(points, row({-40, half_width}, {15, half_width}));
     add(points, row({15, -half_width}, {15, half_width}));
     return points;
@@ -86,7 +86,7 @@ TEST(EscapeSearch, AnAlleyWithoutRoomToTurnHasNoWayOut) {
 // The order leads into the alley: before it is in there is a way out, once it is there is none.
 TEST(EscapeSearch, AnOrderIntoADeadEndIsSeenBeforeItIsEntered) {
   const auto dead_end_at = [](double x) {
-    std::vector<Vector2d> points = row({x, -3}, {x + 15, -3});
+    std::vector<ObstaclePoint> points = row({x, -3}, {x + 15, -3});
     add(points, row({x, 3}, {x + 15, 3}));
     add(points, row({x + 15, -3}, {x + 15, 3}));
     add(points, row({x, 3}, {x, 30}));
@@ -139,8 +139,24 @@ TEST(EscapeSearch, LeavesWhatItIsTooNearToAlready) {
 }
 
 TEST(EscapeSearch, TakesPointsThatAreNotFiniteForNone) {
-  const std::vector<Vector2d> points = {{NAN, 0}, {5, INFINITY}, {INFINITY, NAN}};
+  const std::vector<ObstaclePoint> points = {{{NAN, 0}}, {{5, INFINITY}}, {{INFINITY, NAN}}, {{5, 0}, {NAN, 0}}};
   EXPECT_TRUE(EscapeSearch(points, task()).free(EscapeSearch(points, task()).try_turn(0)));
+}
+
+// It crosses from port at the speed of the vehicle, to be 10 m ahead when the vehicle is there: straight on meets it, a
+// turn behind it does not. One that leaves ahead is no obstacle at all. ledger: S3-30
+TEST(EscapeSearch, PointsThatMoveAreWhereTheyWillBe) {
+  const std::vector<ObstaclePoint> crosses = {{{9, -9}, {0, 1.5}}}, leaves = {{{4, 0}, {1.6, 0}}};
+  const EscapeSearch search(crosses, task());
+  const Escape on = search.try_turn(0);
+  ASSERT_TRUE(on.meets);
+  EXPECT_NEAR(on.meets->x(), 9, 1e-9);
+  EXPECT_GT(on.meets->y(), -3) << "where it then is";
+  EXPECT_TRUE(search.free(search.try_turn(-pi / 2)));
+  EXPECT_TRUE(EscapeSearch(leaves, task()).free(EscapeSearch(leaves, task()).try_turn(0)));
+  EscapeTask near = task();
+  near.moving_s = 3;  // it would be met after five
+  EXPECT_TRUE(EscapeSearch(crosses, near).free(EscapeSearch(crosses, near).try_turn(0)));
 }
 
 // The way of a turn, integrated a hundred times finer: no free one comes nearer to a point than the room, less what the
@@ -150,11 +166,11 @@ TEST(EscapeSearch, WhatIsFreeKeepsItsRoomOnAFinerIntegration) {
   Random random(5);
   int free_ones = 0;
   for (int field = 0; field < 200; ++field) {
-    std::vector<Vector2d> points;
+    std::vector<ObstaclePoint> points;
     for (int i = 0; i < 12; ++i) {
       const double x = random.uniform(-20, 20);
       const double y = random.uniform(-20, 20);
-      if (std::hypot(x, y) > 2) points.emplace_back(x, y);
+      if (std::hypot(x, y) > 2) points.push_back({{x, y}});
     }
     const EscapeTask t = task();
     const EscapeSearch search(points, t);
@@ -170,7 +186,7 @@ TEST(EscapeSearch, WhatIsFreeKeepsItsRoomOnAFinerIntegration) {
       rate += (asked - rate) * kDt / t.lag_s;
       heading += rate * kDt;
       place += kDt * t.speed * Vector2d(std::cos(heading), std::sin(heading));
-      for (const Vector2d& p : points) nearest = std::min(nearest, (p - place).norm());
+      for (const ObstaclePoint& p : points) nearest = std::min(nearest, (p.place - place).norm());
     }
     EXPECT_GT(nearest, t.room_m - 0.35) << "field " << field << ", turn " << best.turn;
   }

@@ -1,0 +1,152 @@
+// The Goal Selector under a script: sweeps with bodies that move, still hazards from the Navigator, and what it orders.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <isobath/mission/agents/goal_selector.hpp>
+
+#include "agent_script.hpp"
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+class GoalSelectorTest : public testing::Test {
+ protected:
+  GoalSelectorTest() {
+    vehicle.hull_radius_m = 0.8;
+    vehicle.limits.turning_radius = 4;
+    vehicle.limits.max_speed = 2;
+    make();
+  }
+  void make() {
+    agent = std::make_unique<GoalSelector>(config, vehicle);
+    script = std::make_unique<Script>(*agent);
+    now = 0;
+    place = {0, 0};
+  }
+  void order(const std::vector<Waypoint>& waypoints) { script->hear(FollowOrder{7, waypoints, {}, false}, now); }
+  void still(const std::vector<Polygon>& outlines) {
+    std::vector<Hazard> hazards;
+    for (const Polygon& o : outlines) hazards.push_back({o, 0, HazardKind::kSeen});
+    script->hear(StillHazards{at(now), std::make_shared<const std::vector<Hazard>>(std::move(hazards))}, now);
+  }
+  /// A square body of 2 m at a place of W; the vehicle's heading is north.
+  void sweep(const Vector2d& at_W, const Vector2d& velocity_W) {
+    auto map = std::make_shared<Detection>();
+    map->time = at(now);
+    map->X_WB = {Rotation(), {place.x(), place.y(), 0}};
+    map->obstacles = {obstacle(square(at_W.x() - place.x(), at_W.y() - place.y(), 1), 0.99)};
+    map->obstacles[0].number = 5;
+    map->obstacles[0].motion = {.velocity_W = velocity_W, .track = 3};
+    script->hear(Sweep{1, true, 0, map}, now);
+  }
+  std::vector<Message> go_to(const Vector2d& p_W, double speed = 1.5) {
+    now += 0.1;
+    place = p_W;
+    script->hear(fix(now, p_W.x(), p_W.y(), 0, speed), now);
+    return script->tick(now);
+  }
+
+  GoalSelectorConfig config;
+  VehicleParameters vehicle;
+  std::unique_ptr<GoalSelector> agent;
+  std::unique_ptr<Script> script;
+  double now = 0;
+  Vector2d place;
+};
+
+TEST_F(GoalSelectorTest, IsSilentWithoutABodyThatMovesWithinReach) {
+  order({{100, 0, 1, 1.5}});
+  still({});
+  EXPECT_TRUE(go_to({0, 0}).empty()) << "nothing moves";
+  sweep({150, 0}, {0, 0.5});
+  EXPECT_TRUE(go_to({0, 0}).empty()) << "it cannot be met within the horizon";
+  sweep({30, 0}, {0, 0.5});
+  EXPECT_EQ(only<MotionOrder>(go_to({0, 0})).size(), 1u);
+}
+
+// The places that it orders, one after the other, keep the margin from a body that crosses; straight ahead would meet
+// it. A decision tells when it passes, and how near. ledger: S3-21 S3-22 S3-30
+TEST_F(GoalSelectorTest, OrdersAMotionThatKeepsTheMarginFromABodyThatCrosses) {
+  order({{60, 0, 1, 1.5}});
+  const auto body_at = [](double s) { return Vector2d(24, -16 + s); };  // at 16 s it is in the way, where it is met
+  Vector2d own(0, 0);
+  double least = INFINITY, straight = INFINITY;
+  while (own.x() < 50 && now < 60) {
+    if (std::abs(std::remainder(now, 0.6)) < 0.05) {
+      still({});
+      sweep(body_at(now), {0, 1});
+    }
+    for (const MotionOrder& motion : only<MotionOrder>(go_to(own))) {
+      EXPECT_EQ(motion.version, 7u);
+      EXPECT_EQ(motion.at, at(now + config.lead_s));
+      own += 0.1 * (motion.place_W - own) / config.lead_s;
+    }
+    const auto gap = [&](const Vector2d& p) {
+      return (p - nearest_point(square(body_at(now).x(), body_at(now).y(), 1), p)).norm() - vehicle.hull_radius_m;
+    };
+    least = std::min(least, gap(own));
+    straight = std::min(straight, gap({1.5 * now, 0}));
+  }
+  EXPECT_LT(straight, 0);
+  EXPECT_GE(own.x(), 50);
+  EXPECT_GT(least, config.planner.margin_m - config.track_m);
+  const auto told = only<Decision>(script->said);
+  ASSERT_GE(told.size(), 1u);
+  EXPECT_EQ(told[0].obstacle_number, 5);
+  ASSERT_TRUE(told[0].approach);
+  EXPECT_GE(told[0].approach->gap_m, config.planner.margin_m - 0.01);
+  EXPECT_FALSE(told[0].way.empty());
+  EXPECT_LE(static_cast<double>(told.size()), 1 + now / GoalSelector::kTellAgain_s) << "once in a while";
+}
+
+// A wall between the vehicle and the last way-point: the corner of the route is the goal until the point is in sight.
+TEST_F(GoalSelectorTest, TakesTheLastWaypointThatIsInSight) {
+  order({{20, 15, 1, 1.5}, {60, 0, 1, 1.5}});
+  still({{{18, -20}, {22, -20}, {22, 8}, {18, 8}}});
+  sweep({30, 24}, {0, 0.3});
+  EXPECT_EQ(only<MotionOrder>(go_to({0, 0})).at(0).waypoint, 0u);
+  EXPECT_EQ(only<MotionOrder>(go_to({20, 15})).at(0).waypoint, 1u);
+}
+
+// ledger: S2-28
+TEST_F(GoalSelectorTest, LeavesTheLastWordToTheSafetyOfficer) {
+  order({{100, 0, 1, 1.5}});
+  still({});
+  sweep({30, 0}, {0, 0.5});
+  SafetyAction turn;
+  turn.kind = SafetyActionKind::kTurn;
+  script->hear(turn, now);
+  EXPECT_TRUE(go_to({0, 0}).empty());
+  script->hear(SafetyAction{}, now);
+  EXPECT_EQ(only<MotionOrder>(go_to({0, 0})).size(), 1u);
+  config.on = false;
+  make();
+  order({{100, 0, 1, 1.5}});
+  still({});
+  sweep({30, 0}, {0, 0.5});
+  EXPECT_TRUE(go_to({0, 0}).empty()) << "switched off";
+}
+
+// Its velocity is hardly known: by three sigma it could be anywhere in 20 s, and no water ahead would be free.
+TEST_F(GoalSelectorTest, BoundsHowFarAnUnknownVelocityClosesTheWater) {
+  order({{100, 0, 1, 1.5}});
+  still({});
+  for (int i = 0; i < 2; ++i) {
+    auto map = std::make_shared<Detection>();
+    map->time = at(now);
+    for (const double east : {-8.0, 8.0}) {
+      map->obstacles.push_back(obstacle(square(30, east, 1), 0.99));
+      map->obstacles.back().motion = {.velocity_W = {0, 0},
+                                      .velocity_covariance = 0.25 * Eigen::Matrix2d::Identity(),
+                                      .track = static_cast<std::uint32_t>(3 + map->obstacles.size())};
+    }
+    script->hear(Sweep{1, true, 0, map}, now);
+    const auto motion = only<MotionOrder>(go_to({0, 0}));
+    ASSERT_EQ(motion.size(), 1u);
+    EXPECT_NEAR(motion[0].place_W.y(), 0, 0.5) << "between them";
+  }
+}
+
+}  // namespace
+}  // namespace isobath
