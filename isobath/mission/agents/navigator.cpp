@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/geometry/deviation.hpp>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/way_keeping.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
@@ -170,14 +171,15 @@ bool Navigator::hand_over_moving(std::vector<Hazard>& hazards) {
   const auto moves = [](const Hazard& h) { return h.kind == HazardKind::kMoving; };
   if (std::ranges::none_of(hazards, moves)) {
     handed_over_.reset();
+    steered_.reset();
     return false;
   }
   traffic_ = now_;
   if (through_ || opening_.flies()) return false;
   if (!handed_over_) handed_over_ = now_;
   const bool overruled = action_ != SafetyActionKind::kNone && action_ != SafetyActionKind::kSlow;
-  if (overruled && steered_ > *handed_over_) steered_ = now_;  // it goes on where the Safety Officer lets it
-  if (now_ - std::max(*handed_over_, steered_) <= MotionOrder::kLasts) std::erase_if(hazards, moves);
+  if (overruled && steered_) steered_ = now_;  // it goes on where the Safety Officer lets it
+  if (is_steered() || now_ - *handed_over_ <= MotionOrder::kLasts) std::erase_if(hazards, moves);
   return true;
 }
 
@@ -228,7 +230,19 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   return hazards;
 }
 
+bool Navigator::is_steered() const { return steered_ && now_ - *steered_ <= MotionOrder::kLasts; }
+
+/// Moving bodies may lead the vehicle far off its route, which then begins where it is.
+void Navigator::begin_here(Outbox& out) {
+  const Vector2d here = place_of(*here_), next(way_.front().north, way_.front().east);
+  if ((nearest_on_segment(way_from_, next, here) - here).norm() < config_.off_leg_m) return;
+  way_from_ = here;
+  passed_ = 0;
+  out.say(RoutePlanned{request_->id, ++version_, way_, way_.size() > 1, "the route begins where the vehicle is"});
+}
+
 void Navigator::keep(View& view, Outbox& out) {
+  if (is_steered()) begin_here(out);
   const auto conflict = conflict_ahead(view.map, view.way, least_clearance());
   if (conflict && !leads_through(view, *conflict, out)) return avoid(view, *conflict, out);
   if (!conflict) through_ = false;
@@ -255,6 +269,8 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
     return take_way(view, *aside, std::move(d), out);
   }
   if (found) return take_way(view, found->points, std::move(d), out);
+  // Among moving bodies the Goal Selector waits, or finds the way, where the plane of this instant is shut.
+  if (is_steered() && found.error() != RouteRefusal::kStartBlocked) return;
   Refusal refusal = refusal_of(found.error(), view);
   refusal.why = d.reason + "; " + refusal.why;
   refusal.obstacle = d.obstacle;
@@ -372,6 +388,7 @@ void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision
     last = d.way.back();
   }
   way_ = std::move(waypoints);
+  way_from_ = place_of(*here_);
   passed_ = 0;
   shorter_ = 0;
   refused_.reset();

@@ -104,6 +104,8 @@ class Navigator : public Agent {
   void tell_still(const View& view, Outbox& out) const;
   [[nodiscard]] PlanFrame plan_frame() const;
   [[nodiscard]] std::vector<Hazard> hazards_in(const PlanFrame& frame) const;
+  [[nodiscard]] bool is_steered() const;
+  void begin_here(Outbox& out);
   void keep(View& view, Outbox& out);
   void avoid(View& view, const Conflict& conflict, Outbox& out);
   void shorten(View& view, Outbox& out);
@@ -169,7 +171,8 @@ class Navigator : public Agent {
   std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
 
   std::optional<RouteRequest> request_;
-  std::vector<Waypoint> way_;  ///< the rest of the route; the last is the mission point
+  std::vector<Waypoint> way_;                           ///< the rest of the route; the last is the mission point
+  Eigen::Vector2d way_from_ = Eigen::Vector2d::Zero();  ///< where it began
   std::uint32_t version_ = 0;
   std::size_t passed_ = 0;  ///< way-points of this version that lie behind
   std::optional<RouteRefused::Reason> refused_;
@@ -183,7 +186,7 @@ class Navigator : public Agent {
   SafetyActionKind action_ = SafetyActionKind::kNone;
   std::optional<Time> handed_over_;  ///< since when bodies move that the Goal Selector knows of
   std::optional<Time> traffic_;      ///< when a body last moved
-  Time steered_{};                   ///< its last order
+  std::optional<Time> steered_;      ///< last order of the Goal Selector, while it is to steer
   bool look_at_tick_ = false;
   bool new_scan_ = false;  ///< the current cycle is that of a new scan
 };

@@ -33,6 +33,8 @@ std::vector<Field> fields(NavigatorConfig& c) {
                   "Share of its speed at which such a route is followed."),
       Field::integer("emergency_factor", &c.emergency_factor, {1, 1000}, "1",
                      "Factor on the number of cells that a search may expand in an emergency."),
+      Field::real("off_leg_m", &c.off_leg_m, {1, 1000}, "m",
+                  "Where moving bodies lead the vehicle this far off its leg, the route begins where it is."),
   };
 }
 

@@ -21,6 +21,7 @@ struct NavigatorConfig {
   double tight_m = 0.5;
   double tight_speed = 0.8;
   int emergency_factor = 4;
+  double off_leg_m = 12;
 };
 
 std::vector<Field> fields(NavigatorConfig& config);

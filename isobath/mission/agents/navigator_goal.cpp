@@ -29,16 +29,22 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   const Vector2d goal = frame.to_local(goal_W);
   const Vector2d vehicle = frame.to_local(here_->X_WB.translation.head<2>());
   const auto blocks = [&](const Hazard& h) {
-    return h.kind != HazardKind::kFence && outline_distance(h, goal) < drop_distance();
+    return h.kind != HazardKind::kFence &&
+           outline_distance(h, goal) < std::max(drop_distance(), clearance() + h.margin_m);
   };
-  // A body that moves will have left the point; one that is near the vehicle is avoided.
+  // A body that moves will have left the point; so may one, among bodies that move, that is out of view. One that is
+  // near the vehicle is avoided.
+  const bool traffic = traffic_ && to_seconds(now_ - *traffic_) < kTraffic_s;
+  const auto leaves = [&](const Hazard& h) {
+    return h.kind == HazardKind::kMoving || (traffic && h.kind == HazardKind::kRemembered);
+  };
   std::erase_if(hazards, [&](const Hazard& h) {
-    return h.kind == HazardKind::kMoving && blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m;
+    return leaves(h) && blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m;
   });
   const Hazard* nearest = nullptr;
   bool sure = false;
   for (const Hazard& h : hazards) {
-    if (!blocks(h) || h.kind == HazardKind::kMoving) continue;
+    if (!blocks(h) || leaves(h)) continue;
     sure = sure || is_certain(h.kind);
     if (nearest == nullptr || outline_distance(h, goal) < outline_distance(*nearest, goal)) nearest = &h;
   }
@@ -47,7 +53,6 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   // From afar an obstacle is no reason to give up the point: the vehicle goes on and looks again.
   const bool far = (goal - vehicle).norm() > config_.decide_within_m;
   // Among bodies that move, one at the point may not be known to move yet.
-  const bool traffic = traffic_ && to_seconds(now_ - *traffic_) < kTraffic_s;
   if (!sure && (far || goal_blocked_ < config_.sure_scans * (traffic ? kTrafficScans : 1))) {
     std::erase_if(hazards,
                   [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
