@@ -30,7 +30,7 @@ struct EscapeTask {
   double lag_s = 0.6;                               ///< time constant with which a turn builds up
   double room_m = 2;                                ///< wanted distance from the vehicle's middle to a point
   double horizon_s = 15;                            ///< how long a manoeuvre must be free
-  double moving_s = 6;                              ///< the same of points that move: later their place is not known
+  double moving_s = 3;                              ///< the same of points that move: later their place is not known
 };
 
 /// Holds its heading for `wait_s`, turns by `turn` (a full circle or more: circles), then goes straight on.

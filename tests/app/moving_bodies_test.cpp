@@ -1,5 +1,6 @@
 // Bodies that move past a vehicle, as a user meets them: `isobath run` of a scene with traffic.
 #include <cmath>
+#include <fstream>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 
@@ -43,6 +44,44 @@ TEST(MovingBodies, CrossWithTheirVelocitiesAndLeaveNoTrail) {
   ASSERT_EQ(test::isobath(without).exit_code, 0);
   const auto trail = test::json_of(folder / "without/truth.json");
   EXPECT_GT(trail["obstacles"]["false_alarms"].get<double>(), 3 * last_scan) << "a map that takes the world for still";
+}
+
+// A body of 1 m crosses the way of a vehicle that cannot stop, to be met after 24 s. The plan in time lets it pass
+// ahead; without it the Navigator goes round the place where the body is, again and again (30 times in this scene).
+// ledger: S3-01 S3-21 S3-22
+TEST(MovingBodies, ArePassedByAPlanInTime) {
+  const auto folder = test::scratch_folder();
+  std::ofstream(folder / "scene.toml")
+      << "[scene]\nduration_s = 32\n"
+         "[bottom]\nkind = 'flat'\nmaterial = 'mud'\ndepth = 30\nextent_m = 200\n"
+         "[vehicle]\nfile = '"
+      << (test::source_folder() / "vehicles/remus100.toml").string()
+      << "'\ndynamic = true\nstart = [0, 0, 15]\nspeed = 1.5\n"
+         "[navigation]\nkind = 'drift'\n"
+         "[mission]\nspeed = 1.5\n"
+         "[[mission_point]]\nnorth = 60\neast = 0\ndepth_m = 15\n"
+         "[[sonar]]\npreset = 'oculus_m750d'\nrange_m = 50\nbins = 125\ninterval_s = 0.2\n"
+         "[[cylinder]]\ncentre = [36, -24, 15]\nradius = 0.5\nlength = 30\n"
+         "path = [[0, 36, -24, 15], [60, 36, 36, 15]]\n";
+  const auto result = test::isobath({"run", (folder / "scene.toml").string(), "--out", (folder / "out").string()});
+  EXPECT_THAT(result.out, HasSubstr("found to move"));
+  int plans = 0;
+  for (const auto& decision : test::json_of(folder / "out/decisions.json")["decisions"]) {
+    EXPECT_NE(decision["what"], "replan") << decision["reason"];
+    if (decision["agent"] != "goal selector") continue;
+    ++plans;
+    EXPECT_GT(decision["approach"]["gap_m"].get<double>(), 1);
+    EXPECT_THAT(decision["reason"].get<std::string>(), HasSubstr("comes as near as"));
+  }
+  EXPECT_GT(plans, 0);
+  double least = 1e9, north = 0;
+  for (const auto& scan : test::json_of(folder / "out/scans.json")["scans"]) {
+    north = scan["north_m"];
+    const double body_east = -24 + scan["time_ns"].get<double>() * 1e-9;
+    least = std::min(least, std::hypot(north - 36, scan["east_m"].get<double>() - body_east));
+  }
+  EXPECT_GT(north, 40) << "it has passed";
+  EXPECT_GT(least, 0.5 + 0.8 + 1) << "both radii and a metre";
 }
 
 }  // namespace

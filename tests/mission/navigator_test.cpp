@@ -128,11 +128,11 @@ TEST_F(NavigatorTest, AmongBodiesThatMoveAPointIsGivenUpLater) {
     ask(point(100, 0));
     int scans = 0;
     if (traffic) scan({square(60, 40, 2)}, HazardKind::kMoving);
-    while (only<RouteRefused>(script->said).empty() && scans < 40) {
+    while (only<RouteRefused>(script->said).empty() && scans < 60) {
       scan({square(107, 2, 1)});
       ++scans;
     }
-    EXPECT_EQ(scans, traffic ? 5 * config.sure_scans : config.sure_scans);
+    EXPECT_EQ(scans, traffic ? 15 * config.sure_scans : config.sure_scans);
     agent.reset();
   }
 }

@@ -147,15 +147,16 @@ TEST(EscapeSearch, TakesPointsThatAreNotFiniteForNone) {
 // turn behind it does not. One that leaves ahead is no obstacle at all. ledger: S3-30
 TEST(EscapeSearch, PointsThatMoveAreWhereTheyWillBe) {
   const std::vector<ObstaclePoint> crosses = {{{9, -9}, {0, 1.5}}}, leaves = {{{4, 0}, {1.6, 0}}};
-  const EscapeSearch search(crosses, task());
+  EscapeTask far = task(), near = task();
+  far.moving_s = 20;
+  near.moving_s = 3;  // it would be met after five
+  const EscapeSearch search(crosses, far);
   const Escape on = search.try_turn(0);
   ASSERT_TRUE(on.meets);
   EXPECT_NEAR(on.meets->x(), 9, 1e-9);
   EXPECT_GT(on.meets->y(), -3) << "where it then is";
   EXPECT_TRUE(search.free(search.try_turn(-pi / 2)));
   EXPECT_TRUE(EscapeSearch(leaves, task()).free(EscapeSearch(leaves, task()).try_turn(0)));
-  EscapeTask near = task();
-  near.moving_s = 3;  // it would be met after five
   EXPECT_TRUE(EscapeSearch(crosses, near).free(EscapeSearch(crosses, near).try_turn(0)));
 }
 

@@ -11,8 +11,8 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kTraffic_s = 30;  // for which a body that moved counts
-constexpr int kTrafficScans = 5;   // times `sure_scans`
+constexpr double kTraffic_s = 60;  // for which a body that moved counts
+constexpr int kTrafficScans = 15;  // times `sure_scans`
 
 double outline_distance(const Hazard& hazard, const Vector2d& p) {
   return (p - nearest_point(hazard.outline, p)).norm();

@@ -56,7 +56,7 @@ struct SafetyConfig {
   double height_margin_m = 0.8;
   double side_margin_m = 0.5;
   double escape_s = 15;
-  double escape_moving_s = 6;
+  double escape_moving_s = 3;
   double unknown_current = 0.5;
   double collision_abort_s = 60;
 
