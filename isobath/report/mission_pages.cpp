@@ -173,10 +173,13 @@ void draw_nearest(MissionPlot& plot, const MissionOutcome& outcome) {
   const auto least = std::min_element(truth.clearance_m.begin(), truth.clearance_m.end());
   const TrueMotion& there = truth.track[static_cast<std::size_t>(least - truth.clearance_m.begin())];
   const Vector2d here = there.state.X_WB.translation.head<2>();
-  Vector2d nearest = nearest_point(outcome.bodies.front().outline, here);
+  // A body that moves is drawn where it was last; it was nearest somewhere else.
+  Vector2d nearest = here;
   for (const TrueBody& body : outcome.bodies) {
-    const Vector2d p = nearest_point(body.outline, here);
-    if ((p - here).norm() < (nearest - here).norm()) nearest = p;
+    if (body.name != truth.nearest_body) continue;
+    const Vector2d back = body.moved - truth.nearest_moved;
+    const Vector2d p = nearest_point(body.outline, here + back) - back;
+    if (nearest == here || (p - here).norm() < (nearest - here).norm()) nearest = p;
   }
   plot.measure(here, nearest, fmt::format("{:.1f} m clear", truth.min_clearance_m));
 }

@@ -20,7 +20,7 @@ std::vector<TrueBody> outlines_of(const World& world) {
   for (const WorldBody& body : world.bodies()) {
     for (Polygon part : body.plan) {
       for (Eigen::Vector2d& p : part) p += body.moved.head<2>();
-      outlines.push_back({body.name, std::move(part)});
+      outlines.push_back({body.name, std::move(part), body.moved.head<2>()});
     }
   }
   return outlines;
@@ -45,6 +45,7 @@ void GroundTruthTrajectory::on_truth(const TrueMotion& motion) {
   if (clear < truth_.min_clearance_m) {
     truth_.min_clearance_m = clear;
     truth_.nearest_body = bodies[which].name;
+    truth_.nearest_moved = displacement(*bodies[which].body, t_s).head<2>();
   }
   if (clear <= 0) touch(t_s, bodies[which].name);
   if (motion.altitude_m) {

@@ -24,6 +24,7 @@ struct TrackTruth {
   std::string contact_with;
   double min_clearance_m = std::numeric_limits<double>::infinity();  ///< minimum of clearance_m
   std::string nearest_body;
+  Eigen::Vector2d nearest_moved = Eigen::Vector2d::Zero();          ///< how far that body had then moved along its path
   double min_altitude_m = std::numeric_limits<double>::infinity();  ///< minimum of the keel above the bottom
   double length_m = 0;                                              ///< length of the track in plan
 };
@@ -35,6 +36,7 @@ std::optional<Pose> true_pose_at(std::span<const TrueMotion> motion, Time time);
 struct TrueBody {
   std::string name;
   Polygon outline;
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();  ///< along its path, from the scene's start
 };
 
 /// The outlines of all bodies of a scene, at their current positions.
