@@ -155,6 +155,7 @@ void MovingBodies::judge(const std::optional<Water>& water) {
       ++ended_.moving;
     }
     if (body.moves) {
+      moved_ = time_;
       leave_trail(body, track);
     } else if (body.may_move && to_seconds(time_ - track.last) > kForgotten_s) {
       leave_all(body);
@@ -163,7 +164,8 @@ void MovingBodies::judge(const std::optional<Water>& water) {
 }
 
 bool MovingBodies::may_move(const BodyTrack& track) const {
-  return track.readings >= kDoubtReadings && track.filter.probability(MotionFilter::kStill) < config_.may_move;
+  return moved_ && to_seconds(time_ - *moved_) < kTraffic_s && track.readings >= kDoubtReadings &&
+         track.filter.probability(MotionFilter::kStill) < config_.may_move;
 }
 
 void MovingBodies::leave_all(Body& body) {
@@ -338,6 +340,7 @@ void MovingBodies::restart() {
   heads_.clear();
   bodies_.clear();
   wakes_.clear();
+  moved_.reset();
   tracker_ = BodyTracker(config_.tracker, config_.motion);
 }
 

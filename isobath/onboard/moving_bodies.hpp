@@ -12,9 +12,10 @@
 // in before the body was known to move, its trail, is cleared by `clear_trails`. Obstacles of moving bodies come from
 // the tracks.
 //
-// A confirmed track that probably does not lie still, but is not known to move yet, may move. Its echoes go to the
-// maps, because it is an obstacle; but the memory must not keep it, and when it has had no reading for kForgotten_s,
-// because it left the view, its trail is cleared like that of a body that moves.
+// While a body moves, and kTraffic_s after that, a confirmed track that probably does not lie still, but is not known
+// to move yet, may move. (Where nothing moves it is a glint or reverberation about what lies still.) Its echoes go to
+// the maps, because it is an obstacle; but the memory must not keep it, and when it has had no reading for
+// kForgotten_s, because it left the view, its trail is cleared like that of a body that moves.
 //
 // The error of the own position moves all tracks alike; a jump of the position moves them with it (`shift`). Slow drift
 // below `min_speed` does not make still bodies move. Frame W, m, s. Bounded: BodyTrackerConfig::max_tracks, kTrail
@@ -49,7 +50,7 @@ class MovingBodies {
  public:
   static constexpr std::size_t kTrail = 64, kWakes = 512;
   static constexpr double kSlow = 0.1;  ///< m/s
-  static constexpr double kForgotten_s = 5, kWake_s = 60;
+  static constexpr double kForgotten_s = 5, kWake_s = 60, kTraffic_s = 60;
 
   explicit MovingBodies(const MovingBodiesConfig& config);
 
@@ -130,6 +131,7 @@ class MovingBodies {
   std::vector<Head> heads_;  ///< one a sonar
   BodyTracker tracker_;
   Time time_{};
+  std::optional<Time> moved_;  ///< when a body last moved
   Eigen::Vector2d own_W_ = Eigen::Vector2d::Zero();
   std::map<std::uint32_t, Body> bodies_;  ///< confirmed ones, by the number of the track
   std::vector<Wake> wakes_;               ///< that moving bodies have left, oldest first
