@@ -74,7 +74,7 @@ void GoalSelector::on_message(const Message& message, Time now, Outbox&) {
   }
   if (const auto* sweep = std::get_if<Sweep>(&message)) take_bodies(*sweep);
   if (const auto* hazards = std::get_if<StillHazards>(&message)) {
-    still_.emplace(now, HazardMap(*hazards->hazards));
+    still_ = Still{now, HazardMap(*hazards->hazards)};
   }
   if (const auto* order = std::get_if<FollowOrder>(&message)) {
     order_ = *order;
