@@ -47,7 +47,7 @@ TEST(MovingBodies, CrossWithTheirVelocitiesAndLeaveNoTrail) {
 }
 
 // A body of 1 m crosses the way of a vehicle that cannot stop, to be met after 24 s. The plan in time lets it pass
-// ahead; without it the Navigator goes round the place where the body is, again and again (30 times in this scene).
+// ahead; without it the Navigator goes round the place where the body is, again and again (19 times in this scene).
 // ledger: S3-01 S3-21 S3-22
 TEST(MovingBodies, ArePassedByAPlanInTime) {
   const auto folder = test::scratch_folder();

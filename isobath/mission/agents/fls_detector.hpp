@@ -4,8 +4,7 @@
 // Receives Sweep, Navigation and MissionOrder. Sends ObstacleScan, with hazards in the level body frame of its pose:
 //   seen        obstacles of the last sweep, with a share of the grid's cell as margin
 //   moving      the same of those that move, with the water that they cross in the next `moving_ahead_s`; in a sweep
-//   with
-//               such obstacles also those that may move, where they are
+//               that has such obstacles, also those that may move, at their present places
 //   remembered  obstacles that earlier sweeps confirmed and this one did not show whole, with the drift since as margin
 //   injected    maps of the mission plan, from the time given there on; the first scan that contains one has exactly
 //               that time, and the last pose known at the next tick

@@ -21,30 +21,29 @@ constexpr double kTell_m = 10;      ///< passages that are nearer are told
 constexpr double kSpot = 0.5;       ///< m, turning radius of a vehicle that turns on the spot
 constexpr double kPlanStep_s = 1;   ///< between the places of a plan that a decision shows
 
-/// The outline of a body that moves includes the uncertainty of its position.
-MovingBody body_of(const Obstacle& obstacle, const Detection& map) {
-  const Polygon outline_W = world_outline(obstacle, map.X_WB);
+/// A body that lies still, with this outline about the mean of its corners. One corner is a disc.
+MovingBody body_of(const Polygon& outline_W, int number) {
   MovingBody body;
-  body.number = obstacle.number;
+  body.number = number;
   for (const Vector2d& p : outline_W) body.p_W += p / static_cast<double>(outline_W.size());
-  body.velocity_W = obstacle.motion.velocity_W;
   if (outline_W.size() > 1) {
     for (const Vector2d& p : outline_W) body.outline.push_back(p - body.p_W);
   }
+  return body;
+}
+
+/// The outline of a body that moves includes the uncertainty of its position.
+MovingBody body_of(const Obstacle& obstacle, const Detection& map) {
+  MovingBody body = body_of(world_outline(obstacle, map.X_WB), obstacle.number);
+  body.velocity_W = obstacle.motion.velocity_W;
   body.velocity_covariance = obstacle.motion.velocity_covariance;
   body.time = map.time;
   return body;
 }
 
-MovingBody body_of(const Hazard& hazard, Time time) {
-  MovingBody body;
-  body.number = hazard.obstacle;
-  for (const Vector2d& p : hazard.outline) body.p_W += p / static_cast<double>(hazard.outline.size());
+MovingBody body_of(const Hazard& hazard) {
+  MovingBody body = body_of(hazard.outline, hazard.obstacle);
   body.radius_m = std::max(0.0, hazard.margin_m);
-  if (hazard.outline.size() > 1) {
-    for (const Vector2d& p : hazard.outline) body.outline.push_back(p - body.p_W);
-  }
-  body.time = time;
   return body;
 }
 
@@ -74,7 +73,8 @@ void GoalSelector::on_message(const Message& message, Time now, Outbox&) {
   }
   if (const auto* sweep = std::get_if<Sweep>(&message)) take_bodies(*sweep);
   if (const auto* hazards = std::get_if<StillHazards>(&message)) {
-    still_ = Still{now, HazardMap(*hazards->hazards)};
+    still_ = Still{now, HazardMap(*hazards->hazards), {}};
+    for (const Hazard& hazard : still_->map.hazards()) still_->bodies.push_back(body_of(hazard));
   }
   if (const auto* order = std::get_if<FollowOrder>(&message)) {
     order_ = *order;
@@ -176,7 +176,7 @@ void GoalSelector::tick(Time now, Outbox& out) {
     if (in_reach(body, now)) bodies_.push_back(body);
   }
   if (bodies_.empty()) return;
-  for (const Hazard& hazard : still_->map.hazards()) bodies_.push_back(body_of(hazard, now));
+  bodies_.insert(bodies_.end(), still_->bodies.begin(), still_->bodies.end());
   const TrafficPlan& plan = planner_->step(own_state(now), now, bodies_);
   if (plan.action == TrafficAction::kRefuse) return;
   const Time at = now + seconds(config_.lead_s);

@@ -76,6 +76,7 @@ class GoalSelector final : public Agent {
   struct Still {
     Time heard;
     HazardMap map;
+    std::vector<MovingBody> bodies;  ///< its hazards
   };
   std::optional<Still> still_;
   std::vector<MovingBody> moving_, bodies_;
