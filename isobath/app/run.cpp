@@ -55,6 +55,14 @@ void print(const TruthScore& truth) {
     if (b.compact) fmt::print("; range error {:+.2f} m mean, {:.2f} m rms", b.range_error_mean_m, b.range_error_rms_m);
     fmt::print("\n");
   }
+  const MotionScore& m = truth.motion;
+  if (m.scans == 0) return;
+  fmt::print("moving bodies: {} of {} that were heard known to move", m.known, m.bodies);
+  if (m.known > 0)
+    fmt::print(", {:.1f} s after the first echo (median; 95 %: {:.1f} s)", m.known_after_s, m.known_after_95_s);
+  fmt::print("; OSPA {:.2f} m (cut-off {:g} m) in {} scans; ", m.ospa_m, MotionScorer::kCutOff_m, m.scans);
+  if (m.known > 0) fmt::print("errors {:.2f} m and {:.2f} m/s rms; ", m.position_rms_m, m.velocity_rms);
+  fmt::print("{:.1f} false tracks a scan, {} switches\n", m.false_tracks, m.switches);
 }
 
 void print(const RunRequest& request, const DepthOutcome& depth) {

@@ -78,6 +78,8 @@ nlohmann::ordered_json traffic_json(const TrafficStudy& study) {
                     {"time_p95", row.time_p95},
                     {"gap_median_m", row.gap_median_m},
                     {"gap_least_m", row.gap_least_m},
+                    {"water_median_m", row.water_median_m},
+                    {"water_p05_m", row.water_p05_m},
                     {"step_median_ms", row.step.median_ms},
                     {"step_p99_ms", row.step.p99_ms},
                     {"step_worst_ms", row.step.worst_ms},
@@ -121,8 +123,11 @@ int run_traffic_study(TrafficOptions& options) {
     print_json(json);
     return kSuccess;
   }
-  fmt::print("{}time over the time of the shortest path past still structures, median and 95 %; gap median and least\n",
-             traffic_table(study));
+  fmt::print(
+      "{}time over the time of the shortest path past still structures, median and 95 %; gap median and least; width "
+      "of "
+      "the widest way between the bodies, median and 5 %\n",
+      traffic_table(study));
   const bool has_roads = std::ranges::any_of(study.rows, [](const TrafficRow& row) { return row.road_plans > 0; });
   if (has_roads) {
     fmt::print(

@@ -212,8 +212,9 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
                   const std::vector<StoryStage>& stages) {
   Summary s;
   s.name = name;
-  std::vector<double> path, time, clearance, delay, range, error, opening, known;
+  std::vector<double> path, time, clearance, delay, range, error, opening, known, moving_s, ospa, velocity;
   double scans = 0;
+  std::size_t moving = 0, moving_known = 0;
   const auto count = [&](const auto& of) {
     return share(static_cast<std::size_t>(
                      std::count_if(runs.begin(), runs.end(), [&](const ScoredRun& r) { return of(r.scores[method]); })),
@@ -236,6 +237,11 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     error.insert(error.end(), r.range_error_m.begin(), r.range_error_m.end());
     if (r.opening_known_m >= 0) opening.push_back(r.opening_known_m);
     if (r.opening_share >= 0) known.push_back(r.opening_share);
+    moving += static_cast<std::size_t>(r.moving_bodies);
+    moving_known += static_cast<std::size_t>(r.moving_known);
+    if (r.moving_known_s >= 0) moving_s.push_back(r.moving_known_s);
+    if (r.ospa_m >= 0) ospa.push_back(r.ospa_m);
+    if (r.velocity_rms >= 0) velocity.push_back(r.velocity_rms);
     s.points_dropped += r.points_dropped;
     s.bodies_missed += r.bodies_missed;
     s.replans += r.replans;
@@ -258,6 +264,10 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.delay_pings = spread(delay);
   s.first_range_m = spread(range);
   s.range_error_m = spread(error);
+  s.moving_known = share(moving_known, moving);
+  s.moving_known_s = spread(moving_s);
+  s.ospa_m = spread(ospa);
+  s.velocity_rms = spread(velocity);
   s.openings_known = share(opening.size(), known.size());
   s.opening_known_m = spread(opening);
   s.opening_share = spread(known);

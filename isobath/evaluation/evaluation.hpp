@@ -75,6 +75,8 @@ struct Summary {
   Spread clearance_m, delay_pings, first_range_m, range_error_m;
   Share openings_known;                   ///< of the runs that came to an opening
   Spread opening_known_m, opening_share;  ///< as in RunScore
+  Share moving_known;                     ///< of the moving bodies that were heard in all runs
+  Spread moving_known_s, ospa_m, velocity_rms;
   double false_obstacles = 0, near_false_obstacles = 0,
          unseen_false_obstacles = 0;  ///< per scan, over the scans of all runs
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;

@@ -109,7 +109,8 @@ ordered_json json_of(const Summary& s) {
             {"goals_reached", json_of(s.goals)},
             {"goals_without_collision", json_of(s.safe_goals)},
             {"refused", json_of(s.refused)},
-            {"openings_known", json_of(s.openings_known)}}},
+            {"openings_known", json_of(s.openings_known)},
+            {"moving_known", json_of(s.moving_known)}}},
           {"spreads",
            {{"path_ratio", json_of(s.path_ratio)},
             {"time_ratio", json_of(s.time_ratio)},
@@ -117,6 +118,9 @@ ordered_json json_of(const Summary& s) {
             {"detection_delay_pings", json_of(s.delay_pings)},
             {"first_range_m", json_of(s.first_range_m)},
             {"range_error_m", json_of(s.range_error_m)},
+            {"moving_known_s", json_of(s.moving_known_s)},
+            {"ospa_m", json_of(s.ospa_m)},
+            {"velocity_rms", json_of(s.velocity_rms)},
             {"opening_known_m", json_of(s.opening_known_m)},
             {"opening_share", json_of(s.opening_share)}}},
           {"reasons", reasons}};
@@ -218,6 +222,12 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
     row("opening known to be free", [](const Summary& s) { return cell_text(s.openings_known); });
     row("... from, m before it", [](const Summary& s) { return cell_text(s.opening_known_m, 1); });
     row("... share known at the decision", [](const Summary& s) { return cell_text(s.opening_share, 2); });
+  }
+  if (std::any_of(all.begin(), all.end(), [](const Summary& s) { return s.moving_known.of > 0; })) {
+    row("moving bodies known to move", [](const Summary& s) { return cell_text(s.moving_known); });
+    row("... after, s", [](const Summary& s) { return cell_text(s.moving_known_s, 1); });
+    row("... error of their velocity, m/s rms", [](const Summary& s) { return cell_text(s.velocity_rms, 2); });
+    row("tracks against moving bodies (OSPA), m", [](const Summary& s) { return cell_text(s.ospa_m, 2); });
   }
   row("false obstacles per scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
   row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });

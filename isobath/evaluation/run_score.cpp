@@ -190,6 +190,12 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
   s.false_obstacles = result.sight.false_obstacles;
   s.near_false_obstacles = result.sight.near_false_obstacles;
   s.unseen_false_obstacles = result.sight.unseen_false_obstacles;
+  const MotionScore& motion = result.sight.motion;
+  s.moving_bodies = motion.bodies;
+  s.moving_known = motion.known;
+  if (motion.known > 0) s.moving_known_s = motion.known_after_s;
+  if (motion.scans > 0) s.ospa_m = motion.ospa_m;
+  if (motion.known > 0) s.velocity_rms = motion.velocity_rms;
   judge_decisions(result.decisions, truth, suite.near_body_m, s);
   judge_openings(result.decisions, s);
   return s;

@@ -56,6 +56,10 @@ struct RunScore {
   int false_obstacles = 0, near_false_obstacles = 0;  ///< in view, over all scans; near: within kNearObstacle_m
   int unseen_false_obstacles = 0;                     ///< the same out of view (DetectionScorer)
 
+  int moving_bodies = 0, moving_known = 0;  ///< bodies that moved and were heard, and those known to move (MotionScore)
+  double moving_known_s = -1;               ///< from the first echo until they were, median; -1: none
+  double ospa_m = -1, velocity_rms = -1;    ///< of tracks and moving bodies; -1: none
+
   FaultInjectionCheck proof;  ///< for runs of a fault suite
   StoryCheck story;           ///< for runs of a suite with a story
 };

@@ -11,7 +11,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunScore, collision, near_miss, encounter, co
                                    duration_s, path_ratio, time_ratio, delay_pings, first_range_m, range_error_m,
                                    bodies_missed, replans, false_replans, safety_actions, opening_known_m,
                                    opening_share, scans, false_obstacles, near_false_obstacles, unseen_false_obstacles,
-                                   proof, story)
+                                   moving_bodies, moving_known, moving_known_s, ospa_m, velocity_rms, proof, story)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScoredRun, seed, variant, conditions, way_m, no_way, scores)
 
 std::string to_line(const ScoredRun& run, const std::string& fingerprint) {

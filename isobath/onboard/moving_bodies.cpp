@@ -88,9 +88,25 @@ MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) co
           kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity(), own_W_};
 }
 
+std::optional<Cell> MovingBodies::Water::cell_at(const Eigen::Vector2d& p_W) const {
+  return grid.cell_at(level_body(level(X_WB).inverse(), p_W));
+}
+
 bool MovingBodies::Water::is_free(const Eigen::Vector2d& p_W) const {
-  const auto cell = grid.cell_at(level_body(level(X_WB).inverse(), p_W));
+  const auto cell = cell_at(p_W);
   return cell && grid.is_free(*cell);
+}
+
+bool MovingBodies::Water::is_unoccupied(const Eigen::Vector2d& p_W) const {
+  const auto cell = cell_at(p_W);
+  return cell && grid.log_odds()[grid.cells().index(*cell)] <= grid.log_odds_prior();
+}
+
+/// On a surface that lies still, flat or convex, a glint slides by the part of the vehicle's way that lies along the
+/// surface, or less. All these ways end on a disc whose diameter is the way of the vehicle.
+bool MovingBodies::may_be_glint(const Eigen::Vector2d& moved_W, const Eigen::Vector2d& own_way_W, double sigma) const {
+  const double off = (moved_W - own_way_W / 2).norm();
+  return off <= own_way_W.norm() / 2 + config_.margin_m + kSigmas * sigma;
 }
 
 bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, const Water& water) const {
@@ -106,7 +122,11 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, cons
   if (then.contains(now_W) || then.contains(now_W - own_W_ + then.own_W)) return false;
   const Eigen::Vector2d along = velocity.normalized();
   const double half = kSigmas * std::sqrt(std::max(along.dot(track.extent * along), 0.0));
-  return water.is_free(now_W + (half + config_.margin_m + water.grid.cells().cell_m) * along);
+  const Eigen::Vector2d ahead_W = now_W + (half + config_.margin_m + water.grid.cells().cell_m) * along;
+  if (water.is_free(ahead_W)) return true;
+  // Far away the grid learns late that water is free.
+  return water.is_unoccupied(ahead_W) &&
+         !may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, position_sigma(track));
 }
 
 bool MovingBodies::lies_still(const BodyTrack& track) const {
@@ -149,9 +169,11 @@ void MovingBodies::judge(const std::optional<Water>& water) {
       body.may_move = may_move(track);
     }
     if (body.moves) {
-      body.moves = !lies_still(track);
+      if (!lies_still(track)) body.moved = time_;
+      body.moves = to_seconds(time_ - body.moved) < kStopped_s;
     } else if (water && begins_to_move(track, body, *water)) {
       body.moves = true;
+      body.moved = time_;
       ++ended_.moving;
     }
     if (body.moves) {

@@ -4,8 +4,10 @@
 // Each ping gives readings of bodies (body_looks.hpp), which a tracker takes (body_tracker.hpp). A confirmed track
 // moves if it is improbable that it lies still, its speed is well known and at least `min_speed`, it has left, by more
 // than its size, the place where it was read some time ago (kTrail readings at most), in the world and as seen from the
-// vehicle, and the grid knows the water ahead of it as free. Reverberation goes along with the vehicle, and the glint
-// on a hull slides along the hull. It stays so until it probably lies still.
+// vehicle, and the grid knows the water ahead of it as free, or, where its way cannot be that of a glint on a surface
+// that the vehicle passes, does not know it as occupied. Reverberation goes along with the vehicle, and the glint on a
+// hull slides along the hull. It stays so until it has probably lain still for kStopped_s: a body that turns back
+// stops for a moment.
 //
 // Maps take the world for still. So the echoes of a body that moves go to its track: `withhold` makes their bins ones
 // without information, for all maps. The maps clear the water behind it by the pings that pass through. What a map took
@@ -50,7 +52,7 @@ class MovingBodies {
  public:
   static constexpr std::size_t kTrail = 64, kWakes = 512;
   static constexpr double kSlow = 0.1;  ///< m/s
-  static constexpr double kForgotten_s = 5, kWake_s = 60, kTraffic_s = 60;
+  static constexpr double kForgotten_s = 5, kWake_s = 60, kTraffic_s = 60, kStopped_s = 4;
 
   explicit MovingBodies(const MovingBodiesConfig& config);
 
@@ -59,8 +61,10 @@ class MovingBodies {
     const BodyGrid& grid;
     Pose X_WB;
 
-    /// Whether the grid knows a place of W as free.
+    /// Whether the grid knows a place of W as free, or knows of no echo there.
     [[nodiscard]] bool is_free(const Eigen::Vector2d& p_W) const;
+    [[nodiscard]] bool is_unoccupied(const Eigen::Vector2d& p_W) const;
+    [[nodiscard]] std::optional<Cell> cell_at(const Eigen::Vector2d& p_W) const;
   };
   /// Takes the echoes of a ping that lies flat. Without a grid nothing is found to move.
   void look(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, const std::optional<Water>& water);
@@ -104,6 +108,7 @@ class MovingBodies {
     std::vector<Place> trail;  ///< where it was read; of a moving body: where it still may be
     bool moves = false, may_move = false;
     double speed = 0;  ///< at the last reading, m/s
+    Time moved;        ///< when a body that moves last did
   };
   struct Wake {
     Place place;
@@ -122,6 +127,7 @@ class MovingBodies {
   [[nodiscard]] bool may_move(const BodyTrack& track) const;
   static int withhold_box(const Ping& ping, const EchoBox& box, EchoDecisions& decisions);
   [[nodiscard]] bool begins_to_move(const BodyTrack& track, const Body& body, const Water& water) const;
+  [[nodiscard]] bool may_be_glint(const Eigen::Vector2d& moved_W, const Eigen::Vector2d& own_way_W, double sigma) const;
   [[nodiscard]] bool lies_still(const BodyTrack& track) const;
   [[nodiscard]] Place place_of(const BodyTrack& track, Time time) const;
   template <class Use>

@@ -233,17 +233,34 @@ ordered_json truth_json(const TruthScore& score) {
     if (b.in_map_s >= 0) one["in_map_s"] = tidy(b.in_map_s);
     mapped.push_back(std::move(one));
   }
-  return {{"scans", score.scans},
-          {"bodies", bodies},
-          {"mapped", mapped},
-          {"obstacles",
-           {{"all", score.obstacles},
-            {"of_bodies", score.of_bodies},
-            {"of_bottom", score.of_bottom},
-            {"of_surface", score.of_surface},
-            {"of_mirrors", score.of_mirrors},
-            {"false_alarms", score.false_alarms}}},
-          {"scans_with_false_alarms", score.scans_with_false_alarms}};
+  ordered_json truth{{"scans", score.scans},
+                     {"bodies", bodies},
+                     {"mapped", mapped},
+                     {"obstacles",
+                      {{"all", score.obstacles},
+                       {"of_bodies", score.of_bodies},
+                       {"of_bottom", score.of_bottom},
+                       {"of_surface", score.of_surface},
+                       {"of_mirrors", score.of_mirrors},
+                       {"false_alarms", score.false_alarms}}},
+                     {"scans_with_false_alarms", score.scans_with_false_alarms}};
+  const MotionScore& m = score.motion;
+  if (m.scans == 0) return truth;
+  ordered_json motion{{"scans", m.scans},
+                      {"ospa_m", tidy(m.ospa_m)},
+                      {"bodies", m.bodies},
+                      {"known", m.known},
+                      {"switches", m.switches},
+                      {"held_share", tidy(m.held_share)},
+                      {"false_tracks", tidy(m.false_tracks)}};
+  if (m.known > 0) {
+    motion["velocity_rms"] = tidy(m.velocity_rms);
+    motion["position_rms_m"] = tidy(m.position_rms_m);
+    motion["known_after_s"] = tidy(m.known_after_s);
+    motion["known_after_95_s"] = tidy(m.known_after_95_s);
+  }
+  truth["motion"] = std::move(motion);
+  return truth;
 }
 
 ordered_json changes_json(const MapChanges& changes, const std::optional<GeoOrigin>& origin) {

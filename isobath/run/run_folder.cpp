@@ -111,6 +111,17 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
   page.table({"body", "pings with its echo", "found in", "pings until found", "s until found", "first found at (m)",
               "range error, mean (m)", "rms (m)", "worst (m)"},
              rows);
+  const MotionScore& m = score.motion;
+  if (m.scans == 0) return;
+  page.paragraph(fmt::format(
+      "Bodies that move: {} of {} that were heard became known to move; half of them {:.1f} s after their first echo, "
+      "95 "
+      "% within {:.1f} s. In {} scans the tracks and the bodies were {:.2f} m apart (OSPA, cut-off {:g} m). The tracks "
+      "were off by {:.2f} m and {:.2f} m/s (root mean square); {:.1f} a scan had no body; {} times another track took "
+      "a "
+      "body over.",
+      m.known, m.bodies, m.known_after_s, m.known_after_95_s, m.scans, m.ospa_m, MotionScorer::kCutOff_m,
+      m.position_rms_m, m.velocity_rms, m.false_tracks, m.switches));
 }
 
 std::vector<HtmlReport::Row> time_rows(const RunOutcome& outcome, bool pinged, bool timings) {

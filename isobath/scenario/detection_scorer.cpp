@@ -5,6 +5,7 @@
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <limits>
 #include <set>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -152,6 +153,7 @@ void DetectionScorer::on_ping(const PosedPing& posed) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!heard[i]) continue;
     Watch& w = bodies_[i];
+    w.heard = true;
     if (w.first_heard_s < 0) w.first_heard_s = now;
     ++w.score.pings_heard;
     if (w.score.scans_found == 0) ++w.score.delay_pings;
@@ -269,9 +271,35 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
     w.fix_squares += apart.squaredNorm();
     if (std::abs(error) > std::abs(w.score.range_error_worst_m)) w.score.range_error_worst_m = error;
   }
+  compare_motion(scan.detection);
   views_.clear();
   last_marks_ = std::move(marks_);
   marks_.clear();
+}
+
+/// The bodies that move and the obstacles that do, in W as seen from the true place of the vehicle.
+void DetectionScorer::compare_motion(const Detection& found) {
+  const double since_s = compared_ ? to_seconds(found.time - *compared_) : 0;
+  compared_ = found.time;
+  std::vector<MotionScorer::TrueBody> bodies;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const WorldBody& body = simulator_.world().bodies()[i];
+    if (!body.moves) continue;
+    const Vector2d moved = body.moved.head<2>();
+    if (since_s > 0) {
+      bodies.push_back({i, body.box.center().head<2>() + moved, (moved - bodies_[i].moved) / since_s,
+                        std::exchange(bodies_[i].heard, false)});
+    }
+    bodies_[i].moved = moved;
+  }
+  if (bodies.empty()) return;
+  std::vector<MotionScorer::Track> tracks;
+  for (const Obstacle& o : found.obstacles) {
+    if (!o.moves()) continue;
+    tracks.push_back(
+        {o.motion.track, (X_WL_ * Vector3d(o.centre.x(), o.centre.y(), 0)).head<2>(), o.motion.velocity_W});
+  }
+  motion_.add(to_seconds(found.time), bodies, tracks);
 }
 
 const TruthScore& DetectionScorer::score() {
@@ -288,6 +316,7 @@ const TruthScore& DetectionScorer::score() {
     }
     score_.bodies.push_back(std::move(s));
   }
+  score_.motion = motion_.score();
   return score_;
 }
 

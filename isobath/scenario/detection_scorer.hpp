@@ -19,7 +19,9 @@
 #include <isobath/map/occupancy/obstacle.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
 #include <isobath/scenario/map_delay_scorer.hpp>
+#include <isobath/scenario/motion_scorer.hpp>
 #include <isobath/scenario/scenario.hpp>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -55,6 +57,7 @@ struct TruthScore {
   int false_obstacles = 0, near_false_obstacles = 0;  ///< in view, over all scans; near: within kNearObstacle_m
   int unseen_false_obstacles = 0;                     ///< the same out of view
   std::vector<MappedBody> mapped;                     ///< bodies that range sonars heard, and the depth map
+  MotionScore motion;                                 ///< of the bodies that move
 };
 
 class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserver {
@@ -84,11 +87,14 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
     double error_sum = 0, error_squares = 0;
     Eigen::Vector2d fix_sum = Eigen::Vector2d::Zero();  ///< of fixes less the true place of the body
     double fix_squares = 0;
+    bool heard = false;                               ///< since the last scan
+    Eigen::Vector2d moved = Eigen::Vector2d::Zero();  ///< until the last scan
   };
   [[nodiscard]] std::uint8_t kinds_near(const Polygon& outline, double within) const;
   /// The plan outlines of every body at its current position.
   [[nodiscard]] std::vector<std::vector<Polygon>> plans_now() const;
   void look(const Ping& ping, const Pose& X_WS);
+  void compare_motion(const Detection& found);
   [[nodiscard]] bool in_view(const Polygon& outline) const;
   [[nodiscard]] Pose true_level_pose(Time time) const;
   /// Whether the bottom there is too shallow for the vehicle to pass over.
@@ -103,6 +109,8 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
   double beam_ = 0, bin_ = 0;
   Pose X_WL_;
   double keel_m_ = 0;  ///< depth of water that the vehicle needs below its reference point
+  MotionScorer motion_;
+  std::optional<Time> compared_;  ///< when motions were last compared
   TruthScore score_;
 };
 

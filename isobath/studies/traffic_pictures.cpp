@@ -85,18 +85,20 @@ std::string traffic_picture(const TrafficRequest& request, int run, int discs, d
 }
 
 std::string traffic_table(const TrafficStudy& study) {
-  std::string text = fmt::format("{:<9}  {:>6}  {:>3}  {:>4}  {:<20}  {:<20}  {:>5}  {:>5}  {:>6} {:>7}  {:>7} {:>7}\n",
-                                 "method", "bodies", "m/s", "runs", "contact", "deep contact", "time", "95 %", "gap, m",
-                                 "least", "step ms", "99 %");
+  std::string text =
+      fmt::format("{:<9}  {:>6}  {:>3}  {:>4}  {:<20}  {:<20}  {:>5}  {:>5}  {:>6} {:>7}  {:>6} {:>6}  {:>7} {:>7}\n",
+                  "method", "bodies", "m/s", "runs", "contact", "deep contact", "time", "95 %", "gap, m", "least",
+                  "way, m", "5 %", "step ms", "99 %");
   for (const TrafficRow& row : study.rows) {
     const auto share = [&](int count, const Interval& of) {
       return fmt::format("{:4.1f} % ({:.1f} .. {:.1f})", 100.0 * count / row.runs, 100 * of.low, 100 * of.high);
     };
-    text +=
-        fmt::format("{:<9}  {:6}  {:3.1f}  {:4}  {:<20}  {:<20}  {:.3f}  {:.3f}  {:6.2f} {:7.2f}  {:7.3f} {:7.2f}\n",
-                    to_text(row.method), row.discs, row.max_speed, row.runs, share(row.contacts, row.contact_share),
-                    share(row.deep_contacts, row.deep_share), row.time_median, row.time_p95, row.gap_median_m,
-                    row.gap_least_m, row.step.median_ms, row.step.p99_ms);
+    text += fmt::format(
+        "{:<9}  {:6}  {:3.1f}  {:4}  {:<20}  {:<20}  {:.3f}  {:.3f}  {:6.2f} {:7.2f}  {:6.2f} {:6.2f}  {:7.3f} "
+        "{:7.2f}\n",
+        to_text(row.method), row.discs, row.max_speed, row.runs, share(row.contacts, row.contact_share),
+        share(row.deep_contacts, row.deep_share), row.time_median, row.time_p95, row.gap_median_m, row.gap_least_m,
+        row.water_median_m, row.water_p05_m, row.step.median_ms, row.step.p99_ms);
   }
   return text;
 }

@@ -18,6 +18,7 @@
 
 #include <array>
 #include <cstdint>
+#include <Eigen/Geometry>
 #include <isobath/base/random.hpp>
 #include <isobath/planning/traffic/moving_body.hpp>
 #include <string>
@@ -40,6 +41,7 @@ class TrafficScene {
   TrafficScene(TrafficScenery scenery, std::uint64_t run, int discs, double max_speed);
 
   static Eigen::Vector2d goal() { return {140, 0}; }
+  static Eigen::AlignedBox2d field() { return {Eigen::Vector2d(-20, -60), Eigen::Vector2d(160, 60)}; }
   void step();
   [[nodiscard]] const std::vector<MovingBody>& discs() const { return discs_; }
   /// With outlines. One that turns has its outline at the start, and the start as its time.

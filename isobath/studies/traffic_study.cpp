@@ -3,6 +3,7 @@
 #include <isobath/base/thread_pool.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/studies/reciprocal_avoidance.hpp>
+#include <isobath/studies/traffic_gaps.hpp>
 #include <isobath/studies/traffic_study.hpp>
 #include <memory>
 #include <numbers>
@@ -14,6 +15,7 @@ using Eigen::Vector2d;
 
 constexpr double kDeep_m = 0.1;
 constexpr int kNeighbours = 20;
+constexpr int kWaterSteps = 10;  // from measuring to measuring the water between the discs
 
 /// A vehicle in a scene, moved by one method.
 class TrafficRunner {
@@ -99,7 +101,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
     }
   });
   TrafficRow row{.method = method, .discs = discs, .max_speed = max_speed, .runs = request.runs};
-  std::vector<double> time, gap, length;
+  std::vector<double> time, gap, length, water;
   LatencyHistogram all;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const TrafficRun& run = runs[i];
@@ -118,6 +120,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
     time.push_back(run.time_s / run.free_time_s);
     length.push_back(run.length_m / (run.free_time_s * TrafficScene::kSpeed));
     gap.push_back(run.least_gap_m);
+    water.insert(water.end(), run.water_m.begin(), run.water_m.end());
     all.add(times[i]);
   }
   row.contact_share = wilson_interval(row.contacts, row.runs);
@@ -128,6 +131,8 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
   row.time_p95 = quantile_of(time, 0.95);
   row.gap_median_m = quantile_of(gap, 0.5);
   row.gap_least_m = gap.front();
+  row.water_median_m = quantile_of(water, 0.5);
+  row.water_p05_m = quantile_of(water, 0.05);
   row.step = all.time();
   return row;
 }
@@ -154,6 +159,8 @@ TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int 
                        LatencyHistogram& times, bool keep_track) {
   TrafficScene scene(request.scenery, run, discs, max_speed);
   TrafficRunner runner(request, method);
+  TrafficGaps gaps(scene);
+  const Vector2d start = runner.own().p_W;
   TrafficRun result;
   result.free_time_s = scene.free_time_s();
   result.least_gap_m = scene.gap(runner.own().p_W);
@@ -162,6 +169,8 @@ TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int 
   double rested_s = 0;
   for (int step = 0; step < steps && !result.arrived && rested_s < TrafficScene::kRest_s; ++step) {
     if (keep_track) result.track.push_back({result.time_s, runner.own()});
+    gaps.follow(scene);
+    if (step % kWaterSteps == 0) result.water_m.push_back(gaps.widest_m(start, TrafficScene::goal()));
     const MotionState from = runner.own();
     const std::int64_t before = thread_nanoseconds();
     runner.step(scene, result);

@@ -71,6 +71,7 @@ struct TrafficRun {
   int plans = 0, road_plans = 0;  ///< all plans, and those along the road map
   int mended = 0;                 ///< plans along the path before with other speeds
   int refused_paths = 0;          ///< that do not bend as the vehicle needs
+  std::vector<double> water_m;    ///< each second: the widest way between the discs (traffic_gaps.hpp)
   ShapeDetail detail = ShapeDetail::kEnclosure;  ///< the finest of any outline
   std::vector<TrafficMoment> track;              ///< if it is asked for
 };
@@ -93,6 +94,7 @@ struct TrafficRow {
   double length_median = 0;                      ///< of the track over the shortest path
   double curvature_most = 0;  ///< the greatest of all tracks, over the greatest that the vehicle can follow
   double gap_median_m = 0, gap_least_m = 0;
+  double water_median_m = 0, water_p05_m = 0;  ///< over all runs and seconds; 5 % are narrower
   std::vector<int> contact_runs = {};
   StageTime step = {};
 };

@@ -170,14 +170,38 @@ TEST(MovingBodies, FollowAJumpOfThePositionWithoutAChangeOfVelocity) {
   EXPECT_LT((moving[0].centre - p).norm(), 0.6) << "in the vehicle's own frame";
 }
 
-// The glint on a hull slides along the hull as the vehicle passes: into water that was never seen to be free.
-TEST(MovingBodies, EnterWaterThatIsKnownToBeFree) {
-  Water water(3, true, false);
-  Vector2d p(30, -15);
-  for (int k = 0; k < 75; ++k, p.y() += 1.0 / kLookRate) water.ping(std::array{Water::Disc{p}});
-  EXPECT_EQ(water.bodies().counts().confirmed, 1u);
-  EXPECT_EQ(water.bodies().counts().moving, 0u);
-  EXPECT_GT(water.echoes_near(p, 1.2), 0);
+// The glint on a quay at 30 degrees to the vehicle's way slides along the quay as the vehicle passes, into water that
+// was never seen to be free: by the part of the vehicle's way that lies along the quay.
+TEST(MovingBodies, AreNoGlintsThatSlideAlongAQuay) {
+  const Vector2d along(0.5, 0.866);
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Water water(seed, true, false);
+    Vector2d own(0, 0), glint(30, -15);
+    for (int k = 0; k < 75; ++k) {
+      const Vector2d way(0, 1.0 / kLookRate);
+      own += way;
+      glint += way.dot(along) * along;
+      water.ping(std::array{Water::Disc{glint - own}}, own);
+    }
+    EXPECT_EQ(water.bodies().counts().confirmed, 1u) << seed;
+    EXPECT_EQ(water.bodies().counts().moving, 0u) << seed;
+    EXPECT_GT(water.echoes_near(glint - own, 1.2), 0) << seed;
+  }
+}
+
+// No glint comes towards the vehicle, or moves while it lies still: far away, where the grid learns late that water is
+// free, that is enough.
+TEST(MovingBodies, NeedNoFreeWaterWhereTheirWayIsNotThatOfAGlint) {
+  for (const Vector2d& own_way : {Vector2d(0, 0), Vector2d(0, 1.0 / kLookRate)}) {
+    Water water(3, true, false);
+    Vector2d own(0, 0), p(30, 12);
+    for (int k = 0; k < 60; ++k) {
+      own += own_way;
+      p.y() -= 0.6 / kLookRate;
+      water.ping(std::array{Water::Disc{p - own}}, own);
+    }
+    EXPECT_EQ(water.bodies().counts().moving, 1u) << own_way.y();
+  }
 }
 
 TEST(MovingBodies, AreNotLookedForWhereTheyAreSwitchedOff) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/studies/reciprocal_avoidance.hpp>
+#include <isobath/studies/traffic_gaps.hpp>
 #include <isobath/studies/traffic_study.hpp>
 #include <numbers>
 
@@ -115,6 +116,30 @@ TEST(TrafficStudy, MeetsNothingAndIsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one.time_p95, three.time_p95);
   EXPECT_EQ(one.gap_median_m, three.gap_median_m);
   EXPECT_EQ(one.gap_least_m, three.gap_least_m);
+}
+
+TEST(TrafficGaps, TheWidestWayPastOneDiscIsOnTheSideWithMoreWater) {
+  const TrafficScene scene(TrafficScenery::kOpen, 3, 1, 0.5);
+  const MovingBody& disc = scene.discs().front();
+  const TrafficGaps gaps(scene);
+  // To the points on the side of the field, which are 5 m apart.
+  const double wider = 60 + std::abs(disc.p_W.y()) - disc.radius_m;
+  EXPECT_NEAR(gaps.widest_m({0, 0}, TrafficScene::goal()), wider, 0.1);
+}
+
+/// After half a minute of motion the flips have kept the triangulation: a fresh one measures the same (S3-07).
+TEST(TrafficGaps, FollowsTheDiscsAsAFreshTriangulationFindsThem) {
+  TrafficScene scene(TrafficScenery::kOpen, 11, 60, 1.5);
+  TrafficGaps kept(scene);
+  for (int step = 0; step < 300; ++step) {
+    scene.step();
+    kept.follow(scene);
+    if (step % 30 != 0) continue;
+    EXPECT_NEAR(kept.widest_m({0, 0}, TrafficScene::goal()), TrafficGaps(scene).widest_m({0, 0}, TrafficScene::goal()),
+                1e-6)
+        << "step " << step;
+  }
+  EXPECT_GT(kept.flips(), 100);
 }
 
 }  // namespace

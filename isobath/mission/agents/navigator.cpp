@@ -19,6 +19,8 @@ constexpr Duration kSpaceInterval = std::chrono::milliseconds(450);  // every sc
 
 Vector2d place_of(const Navigation& fix) { return fix.X_WB.translation.head<2>(); }
 
+bool takes_over(SafetyActionKind kind) { return kind != SafetyActionKind::kNone && kind != SafetyActionKind::kSlow; }
+
 double sigma_of(const Navigation& fix) {
   if (!fix.covariance) return 0;
   return greatest_deviation(fix.covariance->topLeftCorner<2, 2>());
@@ -136,7 +138,14 @@ void Navigator::on_action(const SafetyAction& action, Outbox& out) {
     look_at_tick_ = true;
     if (reflex) enter(Mode::kEmergency, "the Safety Officer acts: " + action.why, out);
   }
+  if (takes_over(action_)) wait_for_goal_selector();
   action_ = action.kind;
+}
+
+/// It begins, or goes on, when the Safety Officer lets it.
+void Navigator::wait_for_goal_selector() {
+  if (handed_over_) handed_over_ = now_;
+  if (steered_) steered_ = now_;
 }
 
 // One cycle: the hazards, whether the point can stay, whether the route can (Ganesan 2015, 5.2).
@@ -177,8 +186,7 @@ bool Navigator::hand_over_moving(std::vector<Hazard>& hazards) {
   traffic_ = now_;
   if (through_ || opening_.flies()) return false;
   if (!handed_over_) handed_over_ = now_;
-  const bool overruled = action_ != SafetyActionKind::kNone && action_ != SafetyActionKind::kSlow;
-  if (overruled && steered_) steered_ = now_;  // it goes on where the Safety Officer lets it
+  if (takes_over(action_)) wait_for_goal_selector();
   if (is_steered() || now_ - *handed_over_ <= MotionOrder::kLasts) std::erase_if(hazards, moves);
   return true;
 }

@@ -100,6 +100,7 @@ class Navigator : public Agent {
 
   void look(Outbox& out);
   [[nodiscard]] std::optional<Refusal> blind() const;
+  void wait_for_goal_selector();
   bool hand_over_moving(std::vector<Hazard>& hazards);
   void tell_still(const View& view, Outbox& out) const;
   [[nodiscard]] PlanFrame plan_frame() const;

@@ -68,12 +68,12 @@ std::span<const NearEcho> NearEchoes::confirmed(const Pose& X_WL, double blankin
                                                 double now_s) {
   found_.clear();
   const Pose X_LW = X_WL.inverse();
-  for (auto& cell : cells_) {
-    Echo& echo = cell.second;
+  for (auto& [key, echo] : cells_) {
     const Eigen::Vector2d place =
         (X_LW * Eigen::Vector3d(echo.place_W.x(), echo.place_W.y(), X_WL.translation.z())).head<2>();
     if (place.norm() < blanking_m) echo.counts_s = now_s;
-    if (echo.confirmed && now_s - echo.counts_s <= config.memory_s) found_.push_back({place, now_s - echo.heard_s});
+    if (echo.confirmed && now_s - echo.counts_s <= config.memory_s)
+      found_.push_back({place, now_s - echo.heard_s, key});
   }
   forget(now_s - std::max(config.confirm_s, config.memory_s));
   return found_;

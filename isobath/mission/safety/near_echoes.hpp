@@ -26,6 +26,7 @@ namespace isobath {
 struct NearEcho {
   Eigen::Vector2d place;
   double age_s = 0;  ///< since it was last received
+  std::pair<std::int64_t, std::int64_t> cell;
 };
 
 class NearEchoes {
@@ -38,6 +39,8 @@ class NearEchoes {
   /// Moves all echoes, after navigation has corrected itself.
   void shift(const Eigen::Vector2d& by_W);
   void clear() { cells_.clear(); }
+  /// Removes an echo that no longer says where an obstacle is.
+  void remove(const NearEcho& echo) { cells_.erase(echo.cell); }
   /// The confirmed echoes in the vehicle's frame; valid until the next call. `blanking_m`: blanking distance of the
   /// sonar.
   std::span<const NearEcho> confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config, double now_s);

@@ -63,13 +63,21 @@ ObstaclePoint SafetyOfficer::where_now(const NearEcho& echo, const Pose& X_WL) c
   return {echo.place};
 }
 
-/// All confirmed echoes at the vehicle's depth, in its frame.
+/// All confirmed echoes at the vehicle's depth, in its frame. A moving body has left the place of its older echoes.
+/// They do not come back when it stops or turns, and is no longer known to move.
 std::vector<ObstaclePoint> SafetyOfficer::confirmed_echoes(const Pose& X_WL) {
-  constexpr double kMoverLasts_s = 5;
+  constexpr double kMoverLasts_s = 5, kMoverEchoes_s = 1;
   std::erase_if(movers_, [&](const Mover& mover) { return clock_s_ - mover.seen_s > kMoverLasts_s; });
   std::vector<ObstaclePoint> left;
   for (const NearEcho& echo : echoes_.confirmed(X_WL, blanking_m_, config_, clock_s_)) {
-    if (!passes_by(X_WL * Eigen::Vector3d(echo.place.x(), echo.place.y(), 0))) left.push_back(where_now(echo, X_WL));
+    if (passes_by(X_WL * Eigen::Vector3d(echo.place.x(), echo.place.y(), 0))) continue;
+    const ObstaclePoint now = where_now(echo, X_WL);
+    const bool moves = !now.velocity.isZero();
+    if (moves && echo.age_s > kMoverEchoes_s) {
+      echoes_.remove(echo);
+    } else {
+      left.push_back(now);
+    }
   }
   return left;
 }
