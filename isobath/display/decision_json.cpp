@@ -43,7 +43,11 @@ std::string dump(const ordered_json& json, int indent) {
 
 }  // namespace
 
-std::string decision_json(const Decision& decision) { return dump(decision_content(decision), -1); }
+std::string decision_json(const Decision& decision, const std::optional<Eigen::Vector2d>& obstacle_then_W) {
+  ordered_json json = decision_content(decision);
+  if (decision.approach && obstacle_then_W) json["approach"]["obstacle_m"] = place_json(*obstacle_then_W);
+  return dump(json, -1);
+}
 
 std::string decisions_text(const std::vector<Decision>& decisions) {
   ordered_json json{{"frame", "world: north, east, metres, as estimated by the vehicle"},

@@ -158,7 +158,12 @@ void Display::on_message(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
-    items_.set(DisplayKind::kDecision, decision->number, time, decision_json(*decision));
+    std::optional<Eigen::Vector2d> then_W;
+    if (decision->approach) {
+      const Time then = decision->time + seconds(decision->approach->in_s);
+      then_W = obstacles_.predicted(decision->obstacle_number, then);
+    }
+    items_.set(DisplayKind::kDecision, decision->number, time, decision_json(*decision, then_W));
   } else if (const auto* route = std::get_if<RoutePlanned>(&envelope.message)) {
     way_ = *route;
     show_way(time);

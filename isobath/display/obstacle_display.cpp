@@ -22,6 +22,10 @@ double rounded_to_tenth(double value) { return std::round(value * 10) / 10; }
 
 ordered_json place_of(const Eigen::Vector2d& p) { return ordered_json::array({rounded(p.x()), rounded(p.y())}); }
 
+ordered_json covariance_json(const Eigen::Matrix2d& c) {
+  return ordered_json::array({rounded(c(0, 0)), rounded(c(0, 1)), rounded(c(1, 1))});
+}
+
 ordered_json corners_json(const Polygon& outline) {
   ordered_json corners = ordered_json::array();
   for (const Eigen::Vector2d& p : outline) corners.push_back(place_of(p));
@@ -56,6 +60,7 @@ void ObstacleDisplay::update(const ScanResult& scan, Time start) {
     return (X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
   };
   scan_ = scan.number;
+  scanned_ = scan.detection.time;
   seen_ = scan.detection.obstacles;
   for (Obstacle& o : seen_) {
     o.nearest = in_world(o.nearest);
@@ -68,6 +73,16 @@ void ObstacleDisplay::update(std::shared_ptr<const KnownObstacles> known, Time n
   known_ = std::move(known);
   if (known_) trails_.update(*known_);
   show(now, start);
+}
+
+std::optional<Eigen::Vector2d> ObstacleDisplay::predicted(int number, Time time) const {
+  const auto body = std::find_if(seen_.begin(), seen_.end(), [number](const Obstacle& o) {
+    return o.number == number && (o.moves() || o.may_move) && !o.outline.empty();
+  });
+  if (body == seen_.end()) return std::nullopt;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : body->outline) middle += p / static_cast<double>(body->outline.size());
+  return middle + to_seconds(time - scanned_) * body->motion.velocity_W;
 }
 
 void ObstacleDisplay::show(Time now, Time start) {
@@ -127,9 +142,10 @@ ordered_json ObstacleDisplay::seen_json(std::size_t index) const {
                     {"behind", o.behind}};
   if (o.label != WaterLabel::kUnknown) json["label"] = to_text(o.label);
   if (o.moves()) {
+    json["track"] = o.motion.track;
     json["velocity"] = place_of(o.motion.velocity_W);
-    const Eigen::Matrix2d& c = o.motion.position_covariance;
-    json["covariance_m2"] = {rounded(c(0, 0)), rounded(c(0, 1)), rounded(c(1, 1))};
+    json["covariance_m2"] = covariance_json(o.motion.position_covariance);
+    json["velocity_covariance"] = covariance_json(o.motion.velocity_covariance);
   }
   if (const auto id = taken_for(index)) json["of"] = *id;
   return json;

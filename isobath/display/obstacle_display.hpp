@@ -23,6 +23,8 @@ class ObstacleDisplay {
   void update(const ScanResult& scan, Time start);
   /// What the agents remember, from now on; null: nothing.
   void update(std::shared_ptr<const KnownObstacles> known, Time now, Time start);
+  /// The middle of an obstacle that moves or may move, in W, if it keeps its velocity of the last scan until `time`.
+  [[nodiscard]] std::optional<Eigen::Vector2d> predicted(int number, Time time) const;
 
  private:
   void show(Time now, Time start);
@@ -34,6 +36,7 @@ class ObstacleDisplay {
   DisplayState& items_;
   std::vector<Obstacle> seen_;  ///< of the last scan, outlines and nearest points in W
   int scan_ = 0;                ///< its number
+  Time scanned_{};              ///< its time
   std::shared_ptr<const KnownObstacles> known_;
   ObstacleTrails trails_;
 };

@@ -18,6 +18,8 @@ using Eigen::Vector3d;
 constexpr int kFewBeams = 8;  // with fewer, one ping makes no image
 constexpr std::size_t kMaxColumns = 1440;
 constexpr double kVoxelBytesPerSecond = 20e3;
+constexpr double kArrow_s = 10;                  // the arrow of a moving body ends where it is after this time
+constexpr double kBarb_m = 1, kBarbAngle = 2.7;  // rad from the arrow's direction
 
 constexpr FoxgloveColor kObstacleColor{1, 0.35, 0.2, 1}, kHiddenColor{1, 0.35, 0.2, 0.35}, kPlanColor{0.3, 0.7, 1, 1},
     kTrackColor{0.6, 0.9, 0.5, 1};
@@ -49,6 +51,17 @@ std::vector<Vector3d> outline_in_world(const Pose& X_WL, const Polygon& outline)
   std::vector<Vector3d> points;
   for (const Vector2d& p : outline) points.emplace_back(X_WL * Vector3d(p.x(), p.y(), 0));
   return points;
+}
+
+/// Along the velocity of a moving body, with two barbs at its end.
+std::vector<Vector3d> arrow_in_world(const Vector3d& from_W, const Vector2d& velocity_W) {
+  const Vector3d to_W = from_W + kArrow_s * Vector3d(velocity_W.x(), velocity_W.y(), 0);
+  const double course = std::atan2(velocity_W.y(), velocity_W.x());
+  const auto barb = [&](double side) {
+    const double angle = course + side * kBarbAngle;
+    return Vector3d(to_W + kBarb_m * Vector3d(std::cos(angle), std::sin(angle), 0));
+  };
+  return {from_W, to_W, barb(1), to_W, barb(-1)};
 }
 
 std::string topic_of(std::size_t sonar) {
@@ -208,6 +221,10 @@ void FoxgloveLog::write_obstacles(const Detection& detection) {
   for (const Obstacle& o : detection.obstacles) {
     const FoxgloveColor color = o.behind ? kHiddenColor : kObstacleColor;
     entity.lines.push_back({outline_in_world(X_WL, o.outline), true, color});
+    if (o.moves()) {
+      const Vector3d centre_W = X_WL * Vector3d(o.centre.x(), o.centre.y(), 0);
+      entity.lines.push_back({arrow_in_world(centre_W, o.motion.velocity_W), false, color});
+    }
   }
   for (const WholeObstacle& whole : whole_obstacles(detection.obstacles)) {
     if (whole.behind) continue;

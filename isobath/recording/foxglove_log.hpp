@@ -6,7 +6,7 @@
 //   /foxglove/points           detected echoes                          PointCloud
 //   /foxglove/sonar            the fan, or a turn of a scanning head    RawImage; each further sonar /sonar.2 ...
 //   /foxglove/occupancy        the grid around the vehicle              Grid
-//   /foxglove/obstacles        obstacles of the last scan               SceneUpdate
+//   /foxglove/obstacles        obstacles of the last scan, 10 s arrows  SceneUpdate
 //   /foxglove/plan, /track     the route, and the track so far          SceneUpdate
 //   /foxglove/voxels           occupied voxels                          PointCloud
 //   /foxglove/log              decisions, faults, lost agents           Log

@@ -177,6 +177,9 @@ Content content_of(const Decision& m) {
   if (m.obstacle) content["obstacle"] = components_of<2>(*m.obstacle);
   if (m.leg) content["leg"] = *m.leg;
   if (m.margin_m) content["margin"] = exact_enough(*m.margin_m);
+  if (m.approach) {
+    content["approach"] = {{"in_s", exact_enough(m.approach->in_s)}, {"gap_m", exact_enough(m.approach->gap_m)}};
+  }
   if (!m.way.empty()) content["way"] = m.way.size();
   return content;
 }

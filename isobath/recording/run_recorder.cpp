@@ -5,6 +5,7 @@
 #include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/recording/message_json.hpp>
 #include <isobath/recording/run_recorder.hpp>
+#include <isobath/recording/track_json.hpp>
 
 namespace isobath {
 namespace {
@@ -121,8 +122,15 @@ void RunRecorder::on_ping(const PosedPing& ping) {
 }
 
 void RunRecorder::on_scan(const ScanResult& scan) {
-  if (!foxglove_) return;
-  guarded([&] { foxglove_->on_scan(scan); });
+  guarded([&] {
+    const bool moves = std::ranges::any_of(scan.detection.obstacles, &Obstacle::moves);
+    if (moves && tracks_ == 0) {
+      tracks_ =
+          log_.add_channel(kTracksTopic, "json", {0, "isobath.Tracks", "jsonschema", tracks_schema()}, kMessageGroup);
+    }
+    if (tracks_ != 0) log_.write(tracks_, scan.detection.time, tracks_json(scan));
+    if (foxglove_) foxglove_->on_scan(scan);
+  });
 }
 
 void RunRecorder::on_message(const Envelope& envelope) {

@@ -1,7 +1,7 @@
 // RunRecorder: records a run as it happens (docs/recording.md), so that it can be run again, replayed on the page
 // (RecordedDisplay) and shown by other viewers (FoxgloveLog). It records every event, the ground truth if there is one,
-// every message of the agents, decisions, set-points, and the items of the live page. Scenario, mission, vehicle
-// parameters and configuration are attachments.
+// every message of the agents, decisions, set-points, the tracks of moving bodies, and the items of the live page.
+// Scenario, mission, vehicle parameters and configuration are attachments.
 //
 //   RunRecorder recorder("run.mcap", configuration);
 //   recorder.describe(simulator, scenario_toml);  recorder.describe(setup);
@@ -45,6 +45,7 @@ inline constexpr const char* kLiveDetail = "live";
 inline constexpr const char* kDisplayTopic = "/display";
 inline constexpr const char* kWholeDisplayTopic = "/display/whole";
 inline constexpr const char* kMessagesTopic = "/messages";
+inline constexpr const char* kTracksTopic = "/tracks";
 
 class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
  public:
@@ -96,6 +97,7 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   std::optional<FoxgloveLog> foxglove_;
   std::uint16_t display_ = 0, whole_ = 0;
   std::uint16_t messages_ = 0;  ///< channel, made with the first message: without a mission there are none
+  std::uint16_t tracks_ = 0;    ///< channel, made with the first body that moves
   bool located_ = false;
   std::optional<Setpoint> last_setpoint_;
   std::optional<Time> sampled_, whole_at_;

@@ -419,6 +419,61 @@ TEST(Display, ListsObstaclesAsThingsBeforeTheirPieces) {
   EXPECT_EQ(shown["pieces"][2]["number"], 3) << "each says what it belongs to";
 }
 
+/// Heads east at (100, 200); obstacle 4, of 1 m, 5 m ahead of it, moves.
+Detection moving_body_ahead() {
+  Detection found;
+  found.time = Time(seconds(10.0));
+  found.X_WB = {Rotation::from_heading(Angle::degrees(90)), {100, 200, 5}};
+  Obstacle body = piece_of(4, {5, 0}, 1, 0.9);
+  body.motion.velocity_W = {-0.5, 1.25};
+  body.motion.position_covariance << 0.04, 0.01, 0.01, 0.09;
+  body.motion.velocity_covariance << 0.002, -0.001, -0.001, 0.003;
+  body.motion.track = 12;
+  found.obstacles = {body, piece_of(5, {20, 0}, 1, 0.9)};
+  return found;
+}
+
+TEST(Display, SaysHowABodyMovesAndHowSureThatIs) {
+  DisplayState items;
+  Display display(items);
+  const BodyGrid grid{BodyGridConfig{}};
+  display.on_scan({1, true, moving_body_ahead(), grid});
+  const json pieces = json::parse(only(items, Kind::kObstacles).payload)["pieces"];
+  ASSERT_EQ(pieces.size(), 2U);
+  EXPECT_EQ(pieces[0]["track"], 12);
+  EXPECT_EQ(pieces[0]["velocity"], json::array({-0.5, 1.25}));
+  EXPECT_EQ(pieces[0]["covariance_m2"], json::array({0.04, 0.01, 0.09}));
+  EXPECT_EQ(pieces[0]["velocity_covariance"], json::array({0.002, -0.001, 0.003}));
+  for (const char* name : {"track", "velocity", "covariance_m2", "velocity_covariance"}) {
+    EXPECT_FALSE(pieces[1].contains(name)) << name << " of what lies still";
+  }
+}
+
+TEST(Display, SaysWhereTheBodyOfAClosestApproachWillBe) {
+  DisplayState items;
+  Display display(items);
+  const BodyGrid grid{BodyGridConfig{}};
+  display.on_scan({1, true, moving_body_ahead(), grid});
+  Decision decision;
+  decision.time = Time(seconds(10.5));
+  decision.number = 1;
+  decision.obstacle_number = 4;
+  decision.approach = ClosestApproach{3.5, 1.25};
+  display.on_message({1, decision.time, "goal selector", decision});
+  decision.number = 2;
+  decision.obstacle_number = 5;  // is not known to move
+  display.on_message({2, decision.time, "goal selector", decision});
+  const auto shown = of_kind(items, Kind::kDecision);
+  ASSERT_EQ(shown.size(), 2U);
+  const json approach = json::parse(shown[0].payload)["approach"];
+  EXPECT_EQ(approach["in_s"], 3.5);
+  EXPECT_EQ(approach["gap_m"], 1.25);
+  ASSERT_TRUE(approach.contains("obstacle_m"));
+  EXPECT_NEAR(approach["obstacle_m"][0].get<double>(), 99.5 - 4 * 0.5, 1e-6) << "four seconds after the scan";
+  EXPECT_NEAR(approach["obstacle_m"][1].get<double>(), 205.5 + 4 * 1.25, 1e-6);
+  EXPECT_FALSE(json::parse(shown[1].payload)["approach"].contains("obstacle_m"));
+}
+
 constexpr const char* kDetector = "fls detector";
 
 RememberedObstacle remembered(std::uint32_t id, const Eigen::Vector2d& middle, double last_seen_s = 0) {

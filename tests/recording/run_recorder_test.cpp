@@ -8,6 +8,7 @@
 #include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/recording/run_recorder.hpp>
 #include <isobath/run/mission_input.hpp>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <tests/support/data.hpp>
@@ -181,6 +182,71 @@ std::vector<std::uint64_t> times_in(McapIndex& index, const char* topic) {
     return true;
   });
   return times;
+}
+
+/// The messages of a JSON channel.
+std::vector<nlohmann::json> objects_in(McapIndex& index, const char* topic) {
+  std::vector<nlohmann::json> objects;
+  const auto channel = index.channel_of(topic);
+  if (!channel) return objects;
+  index.visit({&*channel, 1}, 0, ~0ull, [&](const McapMessage& message) {
+    objects.push_back(nlohmann::json::parse(message.data.begin(), message.data.end()));
+    return true;
+  });
+  return objects;
+}
+
+// From the first body that moves on, each scan has a message, and other viewers an arrow of ten seconds.
+TEST(RunRecorder, KeepsTheTracksOfEachScan) {
+  const auto file = test::scratch_folder() / "tracks.mcap";
+  const BodyGrid grid{BodyGridConfig{}};
+  {
+    RunRecorder recorder(file, {});
+    Detection found;
+    found.X_WB = {Rotation::from_heading(Angle::degrees(90)), {100, 200, 5}};
+    for (int scan = 1; scan <= 4; ++scan) {
+      found.time = Time(seconds(2.0 * scan));
+      Obstacle o;
+      o.outline = {{5, 0}, {6, 0}, {6, 1}, {5, 1}};
+      o.centre = o.nearest = {5.5, 0.5};
+      o.covariance.setIdentity();
+      o.number = 3;
+      o.existence = 0.75;
+      if (scan == 2 || scan == 3) {
+        o.motion.velocity_W = {-0.5, 1.25};
+        o.motion.position_covariance << 0.04, 0.01, 0.01, 0.09;
+        o.motion.velocity_covariance << 0.002, -0.001, -0.001, 0.003;
+        o.motion.track = 12;
+      }
+      found.obstacles = {o};
+      recorder.on_scan({scan, true, found, grid});
+    }
+    recorder.close();
+    EXPECT_EQ(recorder.problem(), "");
+  }
+  McapIndex index(file);
+  const auto scans = objects_in(index, kTracksTopic);
+  ASSERT_EQ(scans.size(), 3u) << "none before the first body that moves";
+  EXPECT_EQ(scans[0]["scan"], 2);
+  EXPECT_EQ(scans[0]["time_ns"], 4'000'000'000);
+  ASSERT_EQ(scans[0]["bodies"].size(), 1u);
+  EXPECT_EQ(scans[2]["bodies"].size(), 0u) << "it is seen that a track has ended";
+  const auto& body = scans[0]["bodies"][0];
+  EXPECT_EQ(body["track"], 12);
+  EXPECT_EQ(body["number"], 3);
+  EXPECT_EQ(body["place"], nlohmann::json::array({99.5, 205.5}));
+  EXPECT_EQ(body["velocity"], nlohmann::json::array({-0.5, 1.25}));
+  EXPECT_EQ(body["position_covariance"], nlohmann::json::array({0.04, 0.01, 0.09}));
+  EXPECT_EQ(body["velocity_covariance"], nlohmann::json::array({0.002, -0.001, 0.003}));
+  EXPECT_EQ(body["outline"].size(), 4u);
+  EXPECT_EQ(body["existence"], 0.75);
+
+  const auto drawn = objects_in(index, "/foxglove/obstacles");
+  ASSERT_EQ(drawn.size(), 4u);
+  EXPECT_EQ(drawn[0]["entities"][0]["lines"].size(), 1u) << "what lies still has no arrow";
+  const auto& arrow = drawn[1]["entities"][0]["lines"].at(1)["points"];
+  EXPECT_NEAR(arrow[1]["x"].get<double>() - arrow[0]["x"].get<double>(), 12.5, 1e-6) << "east";
+  EXPECT_NEAR(arrow[1]["y"].get<double>() - arrow[0]["y"].get<double>(), -5, 1e-6) << "north";
 }
 
 // A recorder that is killed in the middle of its work loses no more than the last chunk of each kind.

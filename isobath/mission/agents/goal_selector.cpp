@@ -19,7 +19,7 @@ constexpr double kOffCourse = 0.5;  ///< rad
 constexpr double kCorner_m = 3;     ///< within which a corner of the route is reached
 constexpr double kTell_m = 10;      ///< passages that are nearer are told
 constexpr double kSpot = 0.5;       ///< m, turning radius of a vehicle that turns on the spot
-constexpr double kPlanStep_s = 1;   ///< between the places of a plan that a decision shows
+constexpr double kPlanStep_s = 1;   ///< between the places of a plan that a decision shows (docs/live-page.md)
 
 /// A body that lies still, with this outline about the mean of its corners. One corner is a disc.
 MovingBody body_of(const Polygon& outline_W, int number) {
