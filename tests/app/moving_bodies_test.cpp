@@ -1,6 +1,9 @@
 // Bodies that move past a vehicle, as a user meets them: `isobath run` of a scene with traffic.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <isobath/io/mcap/mcap_index.hpp>
+#include <map>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 
@@ -13,11 +16,34 @@ std::vector<std::string> run_into(const std::filesystem::path& out) {
   return {"run", crossing_traffic(), "--out", out.string(), "--set", "simulation.duration_s=36"};
 }
 
+/// The recording holds the track of each moving body in each scan, with its uncertainty.
+void expect_tracks_in(const std::filesystem::path& recording) {
+  McapIndex index(recording);
+  const auto channel = index.channel_of("/tracks");
+  ASSERT_TRUE(channel);
+  std::map<int, int> scans_of;  // by track
+  index.visit({&*channel, 1}, 0, ~0ull, [&](const McapMessage& message) {
+    const auto scan = nlohmann::json::parse(message.data.begin(), message.data.end());
+    for (const auto& body : scan["bodies"]) {
+      ++scans_of[body["track"].get<int>()];
+      EXPECT_GT(body["position_covariance"][0].get<double>(), 0);
+      EXPECT_GT(body["velocity_covariance"][2].get<double>(), 0);
+      EXPECT_GT(std::hypot(body["velocity"][0].get<double>(), body["velocity"][1].get<double>()), 0.1);
+    }
+    return true;
+  });
+  int longest = 0;
+  for (const auto& [track, scans] : scans_of) longest = std::max(longest, scans);
+  EXPECT_GT(longest, 20) << "a body keeps its track";
+}
+
 // The container drifts west at 60 m in 45 s. Its speed is that of its visible side, which changes as the vehicle comes
 // nearer. ledger: S3-04 S3-15
 TEST(MovingBodies, CrossWithTheirVelocitiesAndLeaveNoTrail) {
   const auto folder = test::scratch_folder();
-  const auto result = test::isobath(run_into(folder / "out"));
+  auto recorded = run_into(folder / "out");
+  recorded.insert(recorded.end(), {"--record", (folder / "run.mcap").string()});
+  const auto result = test::isobath(recorded);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("found to move"));
   const auto scans = test::json_of(folder / "out/scans.json");
@@ -38,6 +64,8 @@ TEST(MovingBodies, CrossWithTheirVelocitiesAndLeaveNoTrail) {
   EXPECT_GT(right, 0.9 * seen);
   const auto truth = test::json_of(folder / "out/truth.json");
   EXPECT_LT(truth["obstacles"]["false_alarms"].get<double>(), last_scan) << "obstacles of nothing: below one a scan";
+
+  expect_tracks_in(folder / "run.mcap");
 
   auto without = run_into(folder / "without");
   without.insert(without.end(), {"--set", "bodies.on=false"});
