@@ -1,5 +1,6 @@
 // The live page as its users meet it: the program serves, a real browser looks.
 import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { now, open, picture, scratch, serve, source, start, state, stop, until } from './program.mjs';
@@ -221,6 +222,68 @@ test('an obstacle says by its number what and where it is, on the chart and in t
   await page.close();
   await phone.close();
   await tape.end();
+});
+
+/** A body of 1 m crosses the way of a vehicle that cannot stop, to be met after 24 s. */
+const crossing = `
+[scene]
+duration_s = 28
+[bottom]
+kind = 'flat'
+material = 'mud'
+depth = 30
+extent_m = 200
+[vehicle]
+file = '${source('vehicles/remus100.toml')}'
+dynamic = true
+start = [0, 0, 15]
+speed = 1.5
+[navigation]
+kind = 'drift'
+[mission]
+speed = 1.5
+[[mission_point]]
+north = 60
+east = 0
+depth_m = 15
+[[sonar]]
+preset = 'oculus_m750d'
+range_m = 50
+bins = 100
+interval_s = 0.2
+[[cylinder]]
+centre = [36, -24, 15]
+radius = 0.5
+length = 30
+path = [[0, 36, -24, 15], [60, 36, 36, 15]]
+`;
+
+// ledger: S3-21
+test('a body that moves is shown where it will be, and a decision says how near it passes', async () => {
+  const scene = join(scratch, 'crossing.toml');
+  writeFileSync(scene, crossing);
+  const program = await serve('crossing', scene, '--port', '0', '--speed', 'max');
+  await program.until(/written to/);
+  const page = await open(program.url);
+  await state(page, 'open');
+  const passes = page.locator('#log-list li', { hasText: /passes at [\d.]+ m in [\d.]+ s/ }).first();
+  await passes.locator('button').click();
+  const chart = passes.locator('.speed-chart svg');
+  assert.match(await chart.getAttribute('aria-label'), /^Planned speed: [\d.]+ m\/s at first.*; closest appr/);
+  assert.match(await passes.textContent(), /plan of \d+ s/);
+  await passes.locator('[data-action="seek"]').click();
+  const predicted = (wanted) =>
+    page.waitForFunction((some) => !document.querySelector('#plan-canvas').dataset.predicted === !some, wanted);
+  await predicted(true);
+  assert.equal(await page.getAttribute('#plan-canvas', 'data-meeting'), 'vehicle body');
+  await picture(page, 'crossing-1400');
+  await page.keyboard.press('p');
+  await predicted(false);
+  await page.keyboard.press('Escape');
+  await page.waitForFunction(() => document.querySelector('#plan-canvas').dataset.meeting === '');
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+  await program.end();
 });
 
 test('a broken connection says so, and recovers by itself', async () => {

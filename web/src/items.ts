@@ -167,6 +167,15 @@ export interface Piece {
   trail: Point[];
   /** m/s north and east, of a body that is known to move. */
   velocity: Point | undefined;
+  /** Of the position and of the velocity of such a body. */
+  covariance: Covariance | undefined;
+  velocityCovariance: Covariance | undefined;
+}
+/** North north, north east, east east; m² or (m/s)². */
+export type Covariance = [number, number, number];
+function covariance(v: unknown): Covariance | undefined {
+  const [nn, ne, ee] = [number(list(v)[0]), number(list(v)[1]), number(list(v)[2])];
+  return nn === undefined || ne === undefined || ee === undefined ? undefined : [nn, ne, ee];
 }
 export interface Obstacles {
   obstacles: Obstacle[];
@@ -207,6 +216,8 @@ function readPiece(v: unknown): Piece | undefined {
     seen: number(v.seen_s),
     trail: points(v.trail),
     velocity: point(v.velocity),
+    covariance: covariance(v.covariance_m2),
+    velocityCovariance: covariance(v.velocity_covariance),
   };
 }
 
@@ -248,7 +259,14 @@ export interface Decision {
   /** From 1. */
   leg: number | undefined;
   margin: number | undefined;
+  /** The closest approach to that obstacle, if it moves: in s, the gap in m, and the obstacle's place then. */
+  approach: { in: number; gap: number; body: Point | undefined } | undefined;
   way: Point[];
+}
+function readApproach(v: unknown): Decision['approach'] {
+  const [within, gap] = isObject(v) ? [number(v.in_s), number(v.gap_m)] : [];
+  if (!isObject(v) || within === undefined || gap === undefined) return undefined;
+  return { in: within, gap, body: point(v.obstacle_m) };
 }
 export function readDecision(json: unknown, n: number, time: number): Decision | null {
   if (!isObject(json)) return null;
@@ -262,6 +280,7 @@ export function readDecision(json: unknown, n: number, time: number): Decision |
     obstacleNumber: number(json.obstacle),
     leg: number(json.leg),
     margin: number(json.margin_m),
+    approach: readApproach(json.approach),
     way: points(json.way_m),
   };
 }

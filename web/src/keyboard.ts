@@ -60,6 +60,9 @@ function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boole
     case 'v':
       if (inSpace) space.lookDown();
       return inSpace;
+    case 'p':
+      plan.togglePredicted();
+      return true;
     case 'r':
       plan.measure(!plan.isMeasuring);
       return true;
@@ -91,6 +94,7 @@ function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boole
     case 'Escape':
       plan.measure(false);
       shared.selected = null;
+      shared.pointedDecision = null;
       shared.obstacle = null;
       shared.redraw();
       return true;

@@ -1,7 +1,9 @@
 /** DecisionLog: the decisions with agent and reason, newest first. A selected one is shown on the chart. */
 import { arrange, byId, make, mark, say } from './dom';
 import type { Decision } from './items';
+import { isPlan, planned } from './plan/prediction';
 import { Kind } from './protocol';
+import { speedChart } from './speed_chart';
 import * as units from './units';
 import type { Shared, View } from './view';
 
@@ -76,7 +78,7 @@ export class DecisionLog implements View {
   }
 
   private element(decision: Decision): HTMLElement {
-    const { margin } = decision;
+    const { margin, approach } = decision;
     const head = make(
       'span',
       { class: 'log-head' },
@@ -85,10 +87,13 @@ export class DecisionLog implements View {
       make('span', { class: 'log-agent' }, decision.agent),
       make('strong', {}, decision.what),
       ...(margin === undefined ? [] : [make('span', { class: 'log-margin' }, `margin ${units.metres(margin)}`)]),
+      ...(approach === undefined ? [] : [make('span', { class: 'log-margin' }, passing(approach))]),
     );
     const reason = make('span', { class: 'log-reason' }, decision.reason);
     const button = make('button', { type: 'button', class: 'log-row' }, head, reason);
     button.addEventListener('click', () => this.shared.showDecision(decision));
+    button.addEventListener('pointerenter', () => this.shared.pointAt(decision));
+    button.addEventListener('pointerleave', () => this.shared.pointAt(null));
     return make('li', { 'data-decision': decision.number }, button);
   }
 
@@ -100,8 +105,9 @@ export class DecisionLog implements View {
       parts.push(`${name} at N ${units.metres(obstacle[0])}, E ${units.metres(obstacle[1])}`);
     }
     if (decision.leg !== undefined) parts.push(`leg ${decision.leg}`);
-    if (decision.way.length > 1)
-      parts.push(`route of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
+    const length = units.metres(lengthOf(decision.way), 0);
+    if (isPlan(decision)) parts.push(`plan of ${units.age(planned(decision.way))}, ${length}`);
+    else if (decision.way.length > 1) parts.push(`route of ${decision.way.length} points, ${length}`);
     const { scene } = this.shared.model;
     const date = scene ? units.utc(scene.start + since) : '';
     if (date !== '') parts.push(date);
@@ -115,6 +121,7 @@ export class DecisionLog implements View {
       go.addEventListener('click', () => this.seek(since));
       box.append(go);
     }
+    if (isPlan(decision)) box.append(speedChart(decision));
     return box;
   }
 
@@ -130,6 +137,11 @@ export class DecisionLog implements View {
     );
     this.agent.value = names.includes(chosen) ? chosen : '';
   }
+}
+
+/** "passes at 1.5 m in 12 s". */
+export function passing({ in: within, gap }: NonNullable<Decision['approach']>): string {
+  return gap > 0 ? `passes at ${units.metres(gap)} in ${units.age(within)}` : `would touch in ${units.age(within)}`;
 }
 
 function lengthOf(way: Decision['way']): number {

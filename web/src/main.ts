@@ -50,6 +50,11 @@ const shared: Shared = {
       layout.show('plan');
     redraw();
   },
+  pointedDecision: null,
+  pointAt(decision) {
+    shared.pointedDecision = decision;
+    redraw();
+  },
   obstacle: null,
   showObstacle(number) {
     shared.obstacle = shared.obstacle === number ? null : number;

@@ -15,6 +15,9 @@ export interface Shared {
   /** Opens a view, pans to the decision and marks it. */
   showDecision(decision: Decision): void;
   selected: Decision | null;
+  /** Shows a decision on the chart while the log points at it. */
+  pointAt(decision: Decision | null): void;
+  pointedDecision: Decision | null;
   /** Pans the chart to an obstacle and marks it; the same one again: no longer. */
   showObstacle(number: number): void;
   /** The number of the selected obstacle. */

@@ -208,7 +208,8 @@ void GoalSelector::tell(Time now, Outbox& out) {
       fmt::format("{}obstacle {}, which moves at {:.1f} m/s to {:03.0f} deg, comes as near as {:.1f} m in {:.0f} s",
                   plan.reason.empty() ? "" : plan.reason + "; ", nearest->number, nearest->velocity_W.norm(),
                   course.degrees(), std::max(0.0, approach.gap_m), approach.in_s);
-  const double shown_s = std::min(plan.trajectory.duration_s(), config_.planner.search.horizon_s);
+  const double shown_s =
+      std::min(plan.trajectory.duration_s(), std::max(config_.planner.search.horizon_s, approach.in_s));
   for (double t = 0; t <= shown_s; t += kPlanStep_s) d.way.push_back(plan.trajectory.at(t).p_W);
   out.say(std::move(d));
 }

@@ -12,7 +12,8 @@ export const layerNames = {
   land: 'Land',
   fence: 'Fence and keep-out areas',
   bodies: 'Ground truth',
-  obstacles: 'Obstacles: existence, range; dotted: remembered; line: earlier positions',
+  obstacles: 'Obstacles: existence, range; dotted: remembered; line: earlier positions; arrow: way of 10 s',
+  predicted: 'Predicted motion within 40 m: 2σ of the place; outline in 5, 10, 15, 20 s',
   sounds: 'Sounds: direction, frequency, obstacle',
   mission: 'Mission points and legs',
   oldWays: 'Earlier routes',
@@ -27,6 +28,7 @@ const kKey = 'isobath-layers';
 export class Layers {
   readonly on = new Map<LayerName, boolean>();
   private readonly rows = new Map<LayerName, HTMLElement>();
+  private readonly inputs = new Map<LayerName, HTMLInputElement>();
 
   constructor(
     private readonly box: HTMLElement,
@@ -47,6 +49,7 @@ export class Layers {
         keep(kKey, JSON.stringify(Object.fromEntries(this.on)));
         changed();
       });
+      this.inputs.set(name, input);
       const swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
       const row = make('label', { class: 'layer' }, input, swatch, make('span', {}, layerNames[name]));
       this.rows.set(name, row);
@@ -56,6 +59,10 @@ export class Layers {
 
   shows(name: LayerName): boolean {
     return this.on.get(name) === true;
+  }
+
+  toggle(name: LayerName): void {
+    this.inputs.get(name)?.click();
   }
 
   paint(paint: Paint): void {
@@ -144,6 +151,14 @@ function swatch(name: LayerName, p: Paint): SVGElement {
       break;
     case 'obstacles':
       box(p.obstacleFill, p.obstacle);
+      break;
+    case 'predicted':
+      for (const [cx, opacity] of [
+        [22, 0.35],
+        [15, 0.65],
+        [8, 1],
+      ] as const)
+        svg.append(element('circle', { cx, cy: 8, r: 5.5, fill: p.obstacleFill, stroke: p.obstacle, opacity }));
       break;
     case 'sounds':
       line(p.sound, 2, '8 5');

@@ -6,6 +6,7 @@
 import type { Obstacle, Obstacles, Piece } from '../items';
 import type { Point } from '../protocol';
 import { age, bearing, metres, percent } from '../units';
+import { greatestDeviation } from './prediction';
 
 export interface Tracked {
   /** None: a piece that belongs to no numbered obstacle. */
@@ -113,10 +114,11 @@ export function history(t: Tracked, now: number): string[] {
     const existence = t.whole?.existence ?? t.seen[0]?.existence;
     if (existence !== undefined) parts.push(`existence ${percent(existence)}`);
   }
-  const velocity = t.seen.find((o) => o.velocity !== undefined)?.velocity;
+  const { velocity, velocityCovariance } = t.seen.find((o) => o.velocity !== undefined) ?? {};
   if (velocity) {
     const course = bearing(Math.atan2(velocity[1], velocity[0]));
-    parts.push(`moves at ${Math.hypot(...velocity).toFixed(1)} m/s towards ${course}`);
+    const sure = velocityCovariance ? ` ± ${greatestDeviation(velocityCovariance).toFixed(1)}` : '';
+    parts.push(`moves at ${Math.hypot(...velocity).toFixed(1)}${sure} m/s towards ${course}`);
   }
   const label = t.seen.find((o) => o.label !== undefined)?.label;
   if (label !== undefined) parts.push(kLabels[label]);

@@ -18,6 +18,8 @@ import * as moving from './moving_layers';
 import { drawObstacles } from './obstacle_layer';
 import * as tracks from './obstacle_tracks';
 import type { Pen } from './pen';
+import { meeting } from './prediction';
+import { drawMeeting, drawPredicted, drawTimesAhead, moversOf } from './prediction_layer';
 import { drawSounds } from './sound_layer';
 import { DepthScale } from './depth_scale';
 
@@ -25,6 +27,8 @@ import { DepthScale } from './depth_scale';
 const kTouch = 14;
 /** m: obstacles within this distance of the ruler are told. */
 const kBesideRuler = 20;
+/** m: where less than this is to be shown, as of a run that has just begun, so much more is shown on each side. */
+const kBegun = 30;
 
 export class PlanView implements View, Gestured {
   private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
@@ -78,8 +82,8 @@ export class PlanView implements View, Gestured {
     const { model, theme } = this.shared;
     if (this.canvas.clientWidth < 20 || this.canvas.clientHeight < 20) return;
     const resized = fit(this.canvas);
-    const { selected, obstacle, hovered } = this.shared;
-    const look = `${model.revision.join()} ${selected?.number} ${obstacle} ${hovered}`;
+    const { obstacle, hovered } = this.shared;
+    const look = `${model.revision.join()} ${this.decision?.number} ${obstacle} ${hovered}`;
     if (!this.dirty && !resized && look === this.shown && this.painted === theme.revision) return;
     this.dirty = false;
     this.shown = look;
@@ -115,9 +119,14 @@ export class PlanView implements View, Gestured {
     this.camera.settle();
   }
 
+  /** The decision that the log points at, else the selected one. */
+  private get decision(): Decision | null {
+    return this.shared.pointedDecision ?? this.shared.selected;
+  }
+
   private draw(): void {
-    const { model, theme, selected } = this.shared;
-    const { camera, layers } = this;
+    const { model, theme } = this.shared;
+    const { camera, layers, decision } = this;
     const drawing = context(this.canvas);
     const ratio = pixelRatio();
     const pen: Pen = { drawing, camera, paint: theme.paint, taken: [] };
@@ -144,11 +153,15 @@ export class PlanView implements View, Gestured {
     layer('track', model.track.size > 0, () => moving.drawTrack(pen, model));
     layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
     layer('bodies', (scene?.bodies.length ?? 0) > 0, () => drawBodies(pen, scene!));
+    const movers = moversOf(model, decision);
+    layer('predicted', movers.length > 0, () => drawPredicted(pen, movers));
     layer('obstacles', true, () => drawObstacles(pen, model, tracks.tracked(model), this.pointed()));
     layer('sounds', model.sounds.length > 0, () => drawSounds(pen, model));
     layer('way', model.way !== null, () => moving.drawWay(pen, model));
-    if (selected) moving.drawDecision(pen, selected);
+    if (decision) moving.drawDecision(pen, decision);
     layer('vehicle', true, () => moving.drawVehicle(pen, model));
+    if (decision) drawMeeting(pen, model, decision);
+    layer('predicted', movers.length > 0, () => drawTimesAhead(pen, movers));
     if (this.ruler) drawRuler(pen, this.ruler);
     drawGridNumbers(pen);
     drawScaleBar(pen);
@@ -169,6 +182,10 @@ export class PlanView implements View, Gestured {
     mark(this.canvas, 'east', this.camera.east.toFixed(2));
     mark(this.canvas, 'scale', this.camera.scale.toFixed(4));
     const numbered = tracks.tracked(this.shared.model).filter(({ number }) => number !== undefined);
+    const met = this.decision && meeting(this.decision);
+    mark(this.canvas, 'meeting', met ? `vehicle${met.body ? ' body' : ''}` : '');
+    const movers = this.layers.shows('predicted') ? moversOf(this.shared.model, this.decision) : [];
+    mark(this.canvas, 'predicted', movers.map(({ number }) => number ?? '?').join());
     mark(this.canvas, 'obstacles', numbered.map((t) => this.told(t)).join(';'));
     if (!at) return say(this.readout, 'no position yet');
     const parts = [`${this.pointer ? 'Cursor' : 'Vehicle'} N ${units.metres(at[0])}, E ${units.metres(at[1])}`];
@@ -266,6 +283,9 @@ export class PlanView implements View, Gestured {
     this.followButton.setAttribute('aria-pressed', String(on));
     this.touch();
   }
+  togglePredicted(): void {
+    this.layers.toggle('predicted');
+  }
   toggleFollow(): void {
     this.follow(!this.followed);
   }
@@ -302,7 +322,8 @@ export class PlanView implements View, Gestured {
       places.reduce<[number, number]>(([a, b], p) => [Math.min(a, p[k]), Math.max(b, p[k])], [Infinity, -Infinity]);
     this.follow(false);
     const [north, east] = [range(0), range(1)];
-    if (places.length === 1) this.camera.show([north[0] - 30, north[1] + 30], [east[0] - 30, east[1] + 30]);
+    const least = Math.max(north[1] - north[0], east[1] - east[0]) < kBegun ? kBegun : 0;
+    if (least > 0) this.camera.show([north[0] - least, north[1] + least], [east[0] - least, east[1] + least]);
     else this.camera.show(north, east, 0.08);
     this.touch();
   }
