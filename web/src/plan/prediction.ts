@@ -1,9 +1,9 @@
 /**
  * Prediction: where a body that moves will be if it keeps its velocity, and how sure that is. North and east in m, m/s.
  *
- * The outline of such a body already holds one standard deviation of its position. Ahead it grows by what the position,
- * P + t² V (P, V: covariances of position and velocity), deviates more than P alone. The plan of the Goal Selector takes
- * the same growth, but bounds it (`goal_selector.max_growth_m`).
+ * P and V are the covariances of the position and of the velocity. The present outline includes the greatest standard
+ * deviation of P; the outline t seconds ahead includes that of P + t² V. The Goal Selector grows an outline by t times
+ * the greatest standard deviation of V, and bounds the growth (`goal_selector.max_growth_m`).
  */
 import type { Covariance, Decision, Piece } from '../items';
 import type { Point } from '../protocol';
