@@ -1,5 +1,6 @@
 #include <isobath/evaluation/baseline_helms.hpp>
 #include <isobath/evaluation/evaluation.hpp>
+#include <isobath/evaluation/traffic_helms.hpp>
 #include <isobath/onboard/mission_setup.hpp>
 #include <isobath/scenario/mission_chart.hpp>
 #include <limits>
@@ -50,6 +51,18 @@ ComparedMethod baseline_of(Baseline baseline, const Configuration& configuration
       method.make = [](const Scenario& scenario, const VehicleParameters& vehicle, const Configuration& c) {
         return std::make_unique<ImageThresholdHelm>(scenario.mission, vehicle,
                                                     ImageThresholdConfig{.route = c.mission.route});
+      };
+      break;
+    case Baseline::kVelocityObstacles:
+      method.make = [](const Scenario& scenario, const VehicleParameters& vehicle, const Configuration&) {
+        return std::make_unique<VelocityObstacleHelm>(scenario.mission, vehicle, discs_of(scenario.scene),
+                                                      VelocityObstacleConfig{});
+      };
+      break;
+    case Baseline::kStopAndWait:
+      method.make = [](const Scenario& scenario, const VehicleParameters& vehicle, const Configuration& c) {
+        return std::make_unique<StopAndWaitHelm>(scenario.mission, vehicle,
+                                                 StopAndWaitConfig{.clearance_m = c.mission.route.clearance_m});
       };
       break;
     case Baseline::kAsPrinted: method.configuration = as_printed(configuration); break;

@@ -79,8 +79,9 @@ std::vector<Field> bar_fields(BarsConfig& c) {
 
 std::vector<std::pair<std::string, Baseline>> baseline_names() {
   std::vector<std::pair<std::string, Baseline>> names;
-  for (const Baseline b : {Baseline::kNoAvoidance, Baseline::kPotentialField, Baseline::kImageThreshold,
-                           Baseline::kAsPrinted, Baseline::kWorldFixedGrid}) {
+  for (const Baseline b :
+       {Baseline::kNoAvoidance, Baseline::kPotentialField, Baseline::kImageThreshold, Baseline::kVelocityObstacles,
+        Baseline::kStopAndWait, Baseline::kAsPrinted, Baseline::kWorldFixedGrid}) {
     names.emplace_back(to_text(b), b);
   }
   return names;
@@ -177,6 +178,8 @@ const char* to_text(Baseline baseline) {
     case Baseline::kNoAvoidance: return "no avoidance";
     case Baseline::kPotentialField: return "potential field";
     case Baseline::kImageThreshold: return "image threshold";
+    case Baseline::kVelocityObstacles: return "velocity obstacles";
+    case Baseline::kStopAndWait: return "stop and wait";
     case Baseline::kAsPrinted: return "as printed";
     case Baseline::kWorldFixedGrid: return "world-fixed grid";
   }

@@ -30,7 +30,15 @@
 namespace isobath {
 
 /// Methods that steer the runs of a suite for comparison with Isobath's agents, on the same runs (ledger S6-62).
-enum class Baseline : std::uint8_t { kNoAvoidance, kPotentialField, kImageThreshold, kAsPrinted, kWorldFixedGrid };
+enum class Baseline : std::uint8_t {
+  kNoAvoidance,
+  kPotentialField,
+  kImageThreshold,
+  kVelocityObstacles,
+  kStopAndWait,
+  kAsPrinted,
+  kWorldFixedGrid
+};
 const char* to_text(Baseline baseline);
 
 struct SuiteConfig {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <isobath/base/thread_pool.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
-#include <isobath/studies/reciprocal_avoidance.hpp>
+#include <isobath/planning/traffic/reciprocal_avoidance.hpp>
 #include <isobath/studies/traffic_gaps.hpp>
 #include <isobath/studies/traffic_study.hpp>
 #include <memory>

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/geometry/polygon.hpp>
-#include <isobath/studies/reciprocal_avoidance.hpp>
+#include <isobath/planning/traffic/reciprocal_avoidance.hpp>
 #include <limits>
 #include <optional>
 
