@@ -110,6 +110,7 @@ void check_suite(Suite& s, const std::string& file) {
   ordered("vary.drift", s.vary.drift);
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
+  ordered("encounters.meeting_s", s.encounters.meeting_s);
   for (std::size_t i = 0; i < s.baselines.size(); ++i) {
     if (std::count(s.baselines.begin(), s.baselines.end(), s.baselines[i]) > 1) {
       refuse("baseline.helm", fmt::format("{} is listed twice", to_text(s.baselines[i])), "each once");
@@ -171,6 +172,21 @@ void draw_start(Random random, const VariationConfig& vary, SuiteRun& run) {
                                 vehicle.start.y(), vehicle.heading.wrapped_positive().degrees());
 }
 
+void add_encounters(const EncounterConfig& config, std::uint64_t seed, SuiteRun& run) {
+  Scene& scene = run.scenario.scene;
+  const MissionPlan& mission = run.scenario.mission;
+  EncounteredVehicle vehicle;
+  vehicle.start_W = scene.vehicle.start.head<2>();
+  const Eigen::Vector2d to_point = mission.points.front().north_east - vehicle.start_W;
+  vehicle.course = Angle::radians(std::atan2(to_point.y(), to_point.x()));
+  vehicle.speed = mission.points.front().speed > 0 ? mission.points.front().speed : mission.speed;
+  const std::vector<EncounterSituation>& all = encounter_situations();
+  const EncounterSituation& situation = all[run.seed % all.size()];
+  run.conditions += "; encounters: " + to_text(situation);
+  std::vector<Body> bodies = encounter_bodies(config, situation, vehicle, seed, scene.about.duration_s);
+  std::move(bodies.begin(), bodies.end(), std::back_inserter(scene.bodies));
+}
+
 }  // namespace
 
 const char* to_text(Baseline baseline) {
@@ -191,6 +207,7 @@ Schema schema(Suite& s) {
   all.sections = {{"suite", "The runs of the suite.", about_fields(s.about, s.axes.altimeter)},
                   {"vary", "What varies from run to run.", vary_fields(s.vary)},
                   {"clutter", "A random field of obstacles, added to the scene.", fields(s.clutter)},
+                  {"encounters", "Bodies that meet the vehicle, added to the scene.", fields(s.encounters)},
                   {"bars", "The bars that the runs must meet.", bar_fields(s.bars)}};
   all.lists = {
       {"baseline", "A method to compare with, on the same runs.",
@@ -298,7 +315,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   Random drift = random.fork();
   Random noise = random.fork();
   Random density = random.fork();
-  const std::uint64_t field_seed = random.bits();
+  const std::uint64_t field_seed = random.bits(), encounter_seed = random.bits();
   if (suite.vary.drift[1] > 0) {
     scene.navigator.drift_share = drift.uniform(suite.vary.drift[0], suite.vary.drift[1]);
     run.conditions += fmt::format("; drift {:.2f} %", 100 * scene.navigator.drift_share);
@@ -321,6 +338,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   if (run.scenario.mission.points.empty()) {
     throw Error("the scene has neither mission points nor way-points", {.file = scene.file}, "at least one");
   }
+  if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
   return run;
 }
 

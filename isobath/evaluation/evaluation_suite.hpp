@@ -8,11 +8,15 @@
 // A suite of variants (suite_variants.hpp) takes its variants in turn in the same way. A variant is a combination of a
 // vehicle, a sonar, and an altimeter or none.
 //
+// A suite of encounters (sim/encounters.hpp) takes the 55 situations in turn: the run of a seed uses situation seed mod
+// 55. Their bodies meet a vehicle that goes straight from its drawn start to the first mission point.
+//
 // A suite of a story (mission_story.hpp) states the stages that each run must show, in their order.
 //
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
 // reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
-// noise level of the sonars, field of obstacles. Each of these has a random stream of its own; values are uniform.
+// noise level of the sonars, field of obstacles, encounters. Each of these has a random stream of its own; values are
+// uniform.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +27,7 @@
 #include <isobath/mission/safety/fault_table.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/sim/clutter.hpp>
+#include <isobath/sim/encounters.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -82,6 +87,7 @@ struct Suite {
   VariationConfig vary;
   BarsConfig bars;
   ClutterConfig clutter;
+  EncounterConfig encounters;
   std::vector<Baseline> baselines;
   std::vector<StoryStage> stages;  ///< of the story that each run must show; none: no story
   VariantAxes axes;
