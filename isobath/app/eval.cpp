@@ -22,6 +22,7 @@ struct EvalOptions {
   std::string suite;
   std::string out;
   std::string variant;
+  std::string replay;
   int only = -1;
   bool alone = false;
   bool json = false;
@@ -81,6 +82,7 @@ int act(EvalOptions& options) {
   check_output_folder(request.out, "--out");
   request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
   if (!options.variant.empty()) select_variants(request.suite, options.variant);
+  load_recording(request.suite, options.replay);
   if (options.alone) request.suite.baselines.clear();
   request.methods = methods_of(request.suite, configuration);
   request.version = program_version();
@@ -148,6 +150,12 @@ Action add_eval(CLI::App& program) {
                    "Only this variant of the suite, or those whose names have these parts: remus100/altimeter")
       ->type_name("NAME")
       ->group("Runs");
+  command
+      ->add_option("--replay", options->replay,
+                   "Recording of ships for a suite that replays one, such as strait: a table of AIS reports (.csv)")
+      ->type_name("FILE")
+      ->check(reads())
+      ->group("Runs");
   command->add_option("--threads", request.threads, "Runs in parallel; the results are the same")
       ->check(whole(1, 256))
       ->capture_default_str()
@@ -157,6 +165,7 @@ Action add_eval(CLI::App& program) {
   add_example(*command, "eval clutter-low --runs 100");
   add_example(*command, "eval imaging-low --variant remus100/altimeter --json");
   add_example(*command, "eval suites/pandan.toml --only 3 --alone");
+  add_example(*command, "eval strait --replay ais.csv --runs 20");
   return [options] { return act(*options); };
 }
 

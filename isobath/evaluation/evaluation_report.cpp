@@ -176,7 +176,8 @@ std::string verdict(const RunScore& s) {
 
 std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& run) {
   const std::string variant = run.variant.empty() ? "" : " --variant " + run.variant;
-  return fmt::format("isobath eval {} --runs 1 --seed {}{}", request.suite.name, run.seed, variant);
+  const std::string replay = request.suite.replay.on ? " --replay " + request.suite.replay.file : "";
+  return fmt::format("isobath eval {} --runs 1 --seed {}{}{}", request.suite.name, run.seed, variant, replay);
 }
 
 /// The conditions that were drawn, and the variant.

@@ -111,6 +111,7 @@ void check_suite(Suite& s, const std::string& file) {
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
   ordered("encounters.meeting_s", s.encounters.meeting_s);
+  ordered("replay.meeting_s", s.replay.meeting_s);
   for (std::size_t i = 0; i < s.baselines.size(); ++i) {
     if (std::count(s.baselines.begin(), s.baselines.end(), s.baselines[i]) > 1) {
       refuse("baseline.helm", fmt::format("{} is listed twice", to_text(s.baselines[i])), "each once");
@@ -172,18 +173,34 @@ void draw_start(Random random, const VariationConfig& vary, SuiteRun& run) {
                                 vehicle.start.y(), vehicle.heading.wrapped_positive().degrees());
 }
 
+/// From its start straight to the first mission point.
+EncounteredVehicle straight_vehicle(const Scenario& scenario) {
+  const MissionPoint& point = scenario.mission.points.front();
+  EncounteredVehicle vehicle;
+  vehicle.start_W = scenario.scene.vehicle.start.head<2>();
+  const Eigen::Vector2d to_point = point.north_east - vehicle.start_W;
+  vehicle.course = Angle::radians(std::atan2(to_point.y(), to_point.x()));
+  vehicle.speed = point.speed > 0 ? point.speed : scenario.mission.speed;
+  return vehicle;
+}
+
+void add_traffic(const Suite& suite, std::uint64_t seed, SuiteRun& run) {
+  Scene& scene = run.scenario.scene;
+  if (!suite.recording) throw Error("the suite replays traffic, and no recording was read", {.key = "replay.file"});
+  ReplayedTraffic traffic =
+      replayed_traffic(suite.replay, *suite.recording, straight_vehicle(run.scenario), seed, scene.about.duration_s);
+  run.conditions += fmt::format("; {} ships; meets {} after {:.0f} s", traffic.bodies.size(),
+                                traffic.bodies.front().name, traffic.meeting_s);
+  std::move(traffic.bodies.begin(), traffic.bodies.end(), std::back_inserter(scene.bodies));
+}
+
 void add_encounters(const EncounterConfig& config, std::uint64_t seed, SuiteRun& run) {
   Scene& scene = run.scenario.scene;
-  const MissionPlan& mission = run.scenario.mission;
-  EncounteredVehicle vehicle;
-  vehicle.start_W = scene.vehicle.start.head<2>();
-  const Eigen::Vector2d to_point = mission.points.front().north_east - vehicle.start_W;
-  vehicle.course = Angle::radians(std::atan2(to_point.y(), to_point.x()));
-  vehicle.speed = mission.points.front().speed > 0 ? mission.points.front().speed : mission.speed;
   const std::vector<EncounterSituation>& all = encounter_situations();
   const EncounterSituation& situation = all[run.seed % all.size()];
   run.conditions += "; encounters: " + to_text(situation);
-  std::vector<Body> bodies = encounter_bodies(config, situation, vehicle, seed, scene.about.duration_s);
+  std::vector<Body> bodies =
+      encounter_bodies(config, situation, straight_vehicle(run.scenario), seed, scene.about.duration_s);
   std::move(bodies.begin(), bodies.end(), std::back_inserter(scene.bodies));
 }
 
@@ -208,6 +225,7 @@ Schema schema(Suite& s) {
                   {"vary", "What varies from run to run.", vary_fields(s.vary)},
                   {"clutter", "A random field of obstacles, added to the scene.", fields(s.clutter)},
                   {"encounters", "Bodies that meet the vehicle, added to the scene.", fields(s.encounters)},
+                  {"replay", "Recorded ships that meet the vehicle, added to the scene.", fields(s.replay)},
                   {"bars", "The bars that the runs must meet.", bar_fields(s.bars)}};
   all.lists = {
       {"baseline", "A method to compare with, on the same runs.",
@@ -253,6 +271,21 @@ Suite load_suite(const fs::path& file) {
     suite.digest = digest_of(suite.digest, text_of_file(vehicle.file));
   }
   return suite;
+}
+
+void load_recording(Suite& suite, const fs::path& file) {
+  if (!suite.replay.on) {
+    if (!file.empty()) throw Error(fmt::format("the suite {} replays no recording of ships", suite.name));
+    return;
+  }
+  const fs::path from = file.empty() ? fs::path(suite.replay.file) : file;
+  if (from.empty()) {
+    throw Error(fmt::format("the suite {} replays a recording of ships, and none is given", suite.name), {}, {},
+                "give a table of AIS reports: --replay FILE");
+  }
+  suite.recording = read_recording(from);
+  suite.replay.file = from.string();
+  suite.digest = digest_of(suite.digest, fmt::format("{:016x}", suite.recording->digest()));
 }
 
 void select_variants(Suite& suite, const std::string& name) {
@@ -315,7 +348,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   Random drift = random.fork();
   Random noise = random.fork();
   Random density = random.fork();
-  const std::uint64_t field_seed = random.bits(), encounter_seed = random.bits();
+  const std::uint64_t field_seed = random.bits(), encounter_seed = random.bits(), replay_seed = random.bits();
   if (suite.vary.drift[1] > 0) {
     scene.navigator.drift_share = drift.uniform(suite.vary.drift[0], suite.vary.drift[1]);
     run.conditions += fmt::format("; drift {:.2f} %", 100 * scene.navigator.drift_share);
@@ -339,6 +372,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
     throw Error("the scene has neither mission points nor way-points", {.file = scene.file}, "at least one");
   }
   if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
+  if (suite.replay.on) add_traffic(suite, replay_seed, run);
   return run;
 }
 

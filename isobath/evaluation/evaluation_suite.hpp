@@ -11,12 +11,14 @@
 // A suite of encounters (sim/encounters.hpp) takes the 55 situations in turn: the run of a seed uses situation seed mod
 // 55. Their bodies meet a vehicle that goes straight from its drawn start to the first mission point.
 //
+// A suite of replayed traffic (traffic_replay.hpp) needs a recording of ships, from its file or from the command line.
+//
 // A suite of a story (mission_story.hpp) states the stages that each run must show, in their order.
 //
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
 // reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
-// noise level of the sonars, field of obstacles, encounters. Each of these has a random stream of its own; values are
-// uniform.
+// noise level of the sonars, field of obstacles, encounters, replayed traffic. Each of these has a random stream of its
+// own; values are uniform.
 #pragma once
 
 #include <cstdint>
@@ -24,10 +26,12 @@
 #include <isobath/base/config.hpp>
 #include <isobath/evaluation/mission_story.hpp>
 #include <isobath/evaluation/suite_variants.hpp>
+#include <isobath/evaluation/traffic_replay.hpp>
 #include <isobath/mission/safety/fault_table.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/sim/clutter.hpp>
 #include <isobath/sim/encounters.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -88,6 +92,8 @@ struct Suite {
   BarsConfig bars;
   ClutterConfig clutter;
   EncounterConfig encounters;
+  ReplayConfig replay;
+  std::optional<TrafficRecording> recording;  ///< that runs replay
   std::vector<Baseline> baselines;
   std::vector<StoryStage> stages;  ///< of the story that each run must show; none: no story
   VariantAxes axes;
@@ -102,6 +108,10 @@ Schema schema(Suite& suite);
 Suite load_suite(const std::filesystem::path& file);
 /// Keeps only the variants that have every part of `name`. Throws Error if there is none.
 void select_variants(Suite& suite, const std::string& name);
+
+/// The recording that the suite replays: this file, or, if it is empty, that of the suite. Throws Error if the suite
+/// replays traffic and there is no file, or if there is one and the suite replays no traffic.
+void load_recording(Suite& suite, const std::filesystem::path& file);
 
 /// Names of the suites embedded in the program.
 std::vector<std::string> embedded_suites();

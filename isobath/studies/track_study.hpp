@@ -15,8 +15,8 @@
 // reading for `kStale` intervals is dropped.
 #pragma once
 
+#include <isobath/io/input/position_table.hpp>
 #include <isobath/perception/tracking/body_tracker.hpp>
-#include <isobath/studies/position_table.hpp>
 
 namespace isobath {
 

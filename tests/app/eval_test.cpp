@@ -56,6 +56,24 @@ TEST_F(Eval, RunsOneOfManyAlone) {
   EXPECT_EQ(json["first_seed"], 34);
 }
 
+// Two ships on the same line, 15 m/s; lengths by 30 and times by 3.
+TEST_F(Eval, ReplaysARecordingOfShips) {
+  const ProgramResult without = eval("[replay]\non = true\n");
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("none is given; give a table of AIS reports: --replay FILE"));
+  std::string table = "time,mmsi,north,east\n";
+  for (int t = 0; t <= 900; t += 10) {
+    table += std::to_string(t) + ",7," + std::to_string(15 * t) + ",0\n";
+    table += std::to_string(t) + ",8," + std::to_string(15 * t) + ",3000\n";
+  }
+  write(folder_ / "ais.csv", table);
+  const std::vector<std::string> replay{"--replay", (folder_ / "ais.csv").string(), "--alone", "--json"};
+  EXPECT_EQ(nlohmann::json::parse(eval("[replay]\non = true\n", replay).out)["runs"], 1);
+  const ProgramResult vain = eval("", replay);
+  EXPECT_EQ(vain.exit_code, 2);
+  EXPECT_THAT(vain.err, HasSubstr("replays no recording"));
+}
+
 TEST_F(Eval, RunsOneVariantAlone) {
   const std::string sonars = "[[sonar]]\npreset = \"micron\"\nrange_m = 40\n[[sonar]]\nname = \"off\"\non = false\n";
   const auto json = nlohmann::json::parse(eval(sonars, {"--json", "--alone", "--runs", "2", "--variant", "off"}).out);

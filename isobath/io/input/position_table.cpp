@@ -6,7 +6,7 @@
 #include <isobath/base/lower_case.hpp>
 #include <isobath/io/bytes/delimited_text.hpp>
 #include <isobath/io/input/pose_track.hpp>
-#include <isobath/studies/position_table.hpp>
+#include <isobath/io/input/position_table.hpp>
 #include <limits>
 #include <span>
 
