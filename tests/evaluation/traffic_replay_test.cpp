@@ -99,7 +99,7 @@ TEST(TrafficRecording, HasADigestOfAllTimesAndPlaces) {
 class Replay : public testing::Test {
  protected:
   const EncounteredVehicle vehicle_{.start_W = {3, -4}, .course = Angle::degrees(20), .speed = 1.5};
-  const ReplayConfig config_;
+  const ReplayConfig config_{};
 };
 
 // Lengths by 30, times by 3: 15 m/s become 1.5 m/s. ledger: S3-01
