@@ -12,6 +12,7 @@ using Eigen::Vector2d;
 
 constexpr double kBetween_s = 0.01;     // between the two places that give a velocity
 constexpr double kSameVelocity = 1e-6;  // m/s
+constexpr double kDriftTime_s = 4;      // of the filter on the drift across the hull, as in line of sight
 constexpr double kStepAhead_m = 0.5;    // between the points of the way ahead that are checked
 
 Eigen::AlignedBox2d box_around(const Polygon& outline) {
@@ -73,14 +74,21 @@ void VelocityObstacleHelm::find_nearest() {
 Setpoint VelocityObstacleHelm::decide(const Setpoint& wanted) {
   if (progress().phase != MissionPhase::kUnderWay) return wanted;
   find_nearest();
-  const Vector2d velocity = (state().X_WB.rotation * state().v_B).head<2>();
-  const Vector2d straight = wanted.speed * Vector2d(cos(wanted.heading), sin(wanted.heading));
+  const Eigen::Vector3d v_W = state().X_WB.rotation * state().v_B;
+  if (before_) drift_.update(state().X_WB.rotation.heading(), v_W, kDriftTime_s, to_seconds(now() - *before_));
+  before_ = now();
+  const Vector2d velocity = v_W.head<2>();
+  const Angle course = wanted.heading + drift_.crab(wanted.heading, wanted.speed);
+  const Vector2d straight = wanted.speed * Vector2d(cos(course), sin(course));
   const AvoidedDisc own{here(), velocity, own_radius_m()};
   const ReciprocalConfig config{.horizon_s = config_.horizon_s, .share = 1, .max_speed = wanted.speed};
   const Vector2d chosen = reciprocal_velocity(own, straight, near_, config);
   if ((chosen - straight).norm() < kSameVelocity) return wanted;
   Setpoint setpoint = wanted;
-  if (chosen.norm() > kSameVelocity) setpoint.heading = Angle::radians(std::atan2(chosen.y(), chosen.x()));
+  if (chosen.norm() > kSameVelocity) {
+    const Angle towards = Angle::radians(std::atan2(chosen.y(), chosen.x()));
+    setpoint.heading = (towards - drift_.crab(towards, std::max(chosen.norm(), vehicle().min_speed))).wrapped();
+  }
   setpoint.speed = std::max(chosen.norm(), vehicle().min_speed);
   return setpoint;
 }

@@ -58,6 +58,8 @@ class VelocityObstacleHelm : public LineOfSightHelm {
 
   VelocityObstacleConfig config_;
   std::vector<SceneDisc> discs_;
+  Drift drift_;
+  std::optional<Time> before_;     ///< the last fix
   std::vector<AvoidedDisc> near_;  ///< the nearest discs at the present time, by their distance
 };
 
