@@ -91,7 +91,8 @@ TEST_F(GoalSelectorTest, OrdersAMotionThatKeepsTheMarginFromABodyThatCrosses) {
   EXPECT_LT(straight, 0);
   EXPECT_GE(own.x(), 50);
   EXPECT_GT(least, config.planner.margin_m - config.track_m);
-  const auto told = only<Decision>(script->said);
+  auto told = only<Decision>(script->said);
+  std::erase_if(told, [](const Decision& d) { return d.what == "situation"; });
   ASSERT_GE(told.size(), 1u);
   EXPECT_EQ(told[0].obstacle_number, 5);
   ASSERT_TRUE(told[0].approach);
@@ -107,6 +108,50 @@ TEST_F(GoalSelectorTest, TakesTheLastWaypointThatIsInSight) {
   sweep({30, 24}, {0, 0.3});
   EXPECT_EQ(only<MotionOrder>(go_to({0, 0})).at(0).waypoint, 0u);
   EXPECT_EQ(only<MotionOrder>(go_to({20, 15})).at(0).waypoint, 1u);
+}
+
+// ledger: S3-03 S3-37
+TEST_F(GoalSelectorTest, SaysInWhichSituationItIsAndChangesItsParametersWithIt) {
+  const auto situations = [&] {
+    std::vector<std::string> all;
+    for (const Decision& d : only<Decision>(script->said)) {
+      if (d.what == "situation") all.push_back(d.reason);
+    }
+    return all;
+  };
+  const auto speed_of_order = [&](const Vector2d& own) {
+    const auto orders = only<MotionOrder>(go_to(own));
+    return orders.empty() ? 0 : (orders[0].place_W - own).norm() / config.lead_s;
+  };
+  order({{100, 0, 1, 1.5}});
+  still({});
+  sweep({30, 15}, {0, -0.3});
+  EXPECT_NEAR(speed_of_order({0, 0}), 1.5, 0.1);
+  ASSERT_EQ(situations(), std::vector<std::string>{"crossing traffic: a body that moves is within reach"});
+  // One comes from astern at 2 m/s. As long as it does, the plan may use more than the speed of the order.
+  for (double t = 0; t < 3; t += 0.1) {
+    still({});
+    sweep({-14 + 2 * t, 0.5}, {2, 0});
+    speed_of_order({1.5 * t, 0});
+  }
+  ASSERT_EQ(situations().size(), 2u);
+  EXPECT_EQ(situations()[1], "pursued: obstacle 5 comes from astern at 2.0 m/s");
+  EXPECT_GT(speed_of_order({4.5, 0}), 1.6);
+  // Four walls stand round it: no motion is free.
+  still({{{10, -9}, {11, -9}, {11, 9}, {10, 9}},
+         {{-2, -9}, {-1, -9}, {-1, 9}, {-2, 9}},
+         {{-2, 6}, {11, 6}, {11, 7}, {-2, 7}},
+         {{-2, -7}, {11, -7}, {11, -6}, {-2, -6}}});
+  sweep({8, 4}, {-0.5, -0.5});
+  go_to({4.5, 0});
+  go_to({4.6, 0});
+  ASSERT_EQ(situations().size(), 3u);
+  EXPECT_EQ(situations()[2].substr(0, 9), "blocked: ");
+  // The walls are gone, and then the body is: each less urgent situation begins after a while.
+  still({});
+  sweep({90, 90}, {0, 0.2});
+  for (double t = 0; t < 20; t += 0.1) go_to({4.6, 0});
+  EXPECT_EQ(situations().back(), "clear: no body that moves is within reach");
 }
 
 // ledger: S2-28

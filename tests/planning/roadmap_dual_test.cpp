@@ -116,7 +116,7 @@ void expect_free(const Scene& scene, const Vector2d& a, const Vector2d& b) {
   }
 }
 
-// ledger: S3-09
+// ledger: S3-09 S3-E03
 TEST(RoadmapDual, NoArcOfTenThousandScenesMeetsAGrownObstacle) {
   Random random(1);
   std::size_t arcs = 0;

@@ -44,7 +44,7 @@ TEST(RoadmapPathFinder, InOpenWaterThePreferredPathIsTheStraightLine) {
   EXPECT_EQ(found->paths[0].deviation_m2, 0);
 }
 
-// ledger: S3-08 S3-14 S3-16
+// ledger: S3-08 S3-14 S3-16 S3-E02 S3-E04
 TEST(RoadmapPathFinder, CandidatesKeepTheRadiusAndComeInOrderOfPreference) {
   Random random(1);
   int several = 0;
@@ -69,7 +69,7 @@ TEST(RoadmapPathFinder, CandidatesKeepTheRadiusAndComeInOrderOfPreference) {
   EXPECT_GT(several, 40);
 }
 
-// ledger: S3-13
+// ledger: S3-13 S3-E05
 TEST(RoadmapPathFinder, AUShapeWithTheGoalInsideNeedsItsParts) {
   PathFinder finder(small_region());
   finder.set_obstacle(7, u_shape());

@@ -184,7 +184,7 @@ bool some_motion_is_free(const SmallScene& scene, double distance_m, Random& ran
 }
 
 // Where a motion drawn at random keeps the margin, the planner finds one, and all that it then plans on the way to the
-// goal keep it, too. ledger: S3-01 S3-21 S3-22
+// goal keep it, too. ledger: S3-01 S3-21 S3-22 S3-E01
 TEST(TrafficPlanner, KeepsTheMarginWhereSomeMotionDoes) {
   Random random(11);
   int solvable = 0, arrived = 0;

@@ -12,14 +12,15 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr double kFreshFix_s = 2, kFreshHazards_s = 10;
-constexpr double kReach_m = 5;      ///< nearest approach within which a body counts
-constexpr double kCourse = 0.3;     ///< m/s, above which the course over ground counts, not the heading
-constexpr double kSlack = 0.05;     ///< m/s between minimum and maximum speed of a planner
-constexpr double kOffCourse = 0.5;  ///< rad
-constexpr double kCorner_m = 3;     ///< within which a corner of the route is reached
-constexpr double kTell_m = 10;      ///< passages that are nearer are told
-constexpr double kSpot = 0.5;       ///< m, turning radius of a vehicle that turns on the spot
-constexpr double kPlanStep_s = 1;   ///< between the places of a plan that a decision shows (docs/live-page.md)
+constexpr double kReach_m = 5;       ///< nearest approach within which a body counts
+constexpr double kCourse = 0.3;      ///< m/s, above which the course over ground counts, not the heading
+constexpr double kSlack = 0.05;      ///< m/s between minimum and maximum speed of a planner
+constexpr double kOffCourse = 0.5;   ///< rad
+constexpr double kCorner_m = 3;      ///< within which a corner of the route is reached
+constexpr double kTell_m = 10;       ///< passages that are nearer are told
+constexpr double kSpot = 0.5;        ///< m, turning radius of a vehicle that turns on the spot
+constexpr double kAstern = -0.3827;  ///< cosine of 112.5 degrees off the course: seen from there on, a body overtakes
+constexpr double kPlanStep_s = 1;    ///< between the places of a plan that a decision shows (docs/live-page.md)
 
 /// A body that lies still, with this outline about the mean of its corners. One corner is a disc.
 MovingBody body_of(const Polygon& outline_W, int number) {
@@ -58,9 +59,23 @@ std::vector<Field> fields(GoalSelectorConfig& c) {
       Field::real("max_growth_m", &c.max_growth_m, {0, 1000}, "m",
                   "The uncertainty of its velocity lets a body grow by at most this within the horizon."),
       Field::real("turn_reserve", &c.turn_reserve, {1, 10}, "1", "Turning radius of a plan, in that of the vehicle."),
+      Field::real("pursued_speed", &c.pursued_speed, {1, 10}, "1",
+                  "Speed of a plan while a body comes from astern, in that of the order, as far as the vehicle can."),
+      Field::real("blocked_replan_s", &c.blocked_replan_s, {0.1, 60}, "s",
+                  "Time between two searches while there is no free motion."),
   };
   for (Field& field : fields(c.planner)) all.push_back(std::move(field));
   return all;
+}
+
+const char* to_text(TrafficSituation situation) {
+  switch (situation) {
+    case TrafficSituation::kClear: return "clear";
+    case TrafficSituation::kCrossing: return "crossing traffic";
+    case TrafficSituation::kPursued: return "pursued";
+    case TrafficSituation::kBlocked: break;
+  }
+  return "blocked";
 }
 
 GoalSelector::GoalSelector(const GoalSelectorConfig& config, const VehicleParameters& vehicle)
@@ -111,7 +126,8 @@ bool GoalSelector::may_steer(Time now) const {
 
 bool GoalSelector::in_reach(const MovingBody& body, Time now) const {
   const Vector2d p_W = body.p_W + to_seconds(now - body.time) * body.velocity_W;
-  const double nearer_m = (speed_ + body.velocity_W.norm()) * config_.planner.search.horizon_s;
+  const double own_speed = std::max(speed_, order_.waypoints[passed_].speed);
+  const double nearer_m = (own_speed + body.velocity_W.norm()) * config_.planner.search.horizon_s;
   return (p_W - here_->X_WB.translation.head<2>()).norm() - circumscribed_radius(body) - nearer_m < kReach_m;
 }
 
@@ -147,8 +163,11 @@ std::size_t GoalSelector::waypoint_in_sight() const {
 void GoalSelector::aim() {
   waypoint_ = waypoint_in_sight();
   const Waypoint& goal = order_.waypoints[waypoint_];
-  const double speed = std::clamp(goal.speed, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
-  const bool anew = !planner_ || speed != speed_;
+  const bool is_pursued = situation_ == TrafficSituation::kPursued,
+             is_blocked = situation_ == TrafficSituation::kBlocked;
+  const double wanted = is_pursued ? config_.pursued_speed * goal.speed : goal.speed;
+  const double speed = std::clamp(wanted, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
+  const bool anew = !planner_ || speed != speed_ || is_blocked != hurried_;
   if (anew) {
     TrafficVehicle v;
     v.radius_m = vehicle_.hull_radius_m;
@@ -158,7 +177,10 @@ void GoalSelector::aim() {
     v.max_speed = speed;
     v.acceleration = vehicle_.limits.max_acceleration;
     v.braking = vehicle_.braking;
-    planner_.emplace(config_.planner, v);
+    TrafficConfig rules = config_.planner;
+    if (is_blocked) rules.replan_s = std::min(rules.replan_s, config_.blocked_replan_s);
+    hurried_ = is_blocked;
+    planner_.emplace(rules, v);
     speed_ = speed;
     told_plan_ = 0;
   }
@@ -168,14 +190,61 @@ void GoalSelector::aim() {
   planner_->set_goal({goal.north, goal.east}, last && goal.radius_m > 0 ? goal.radius_m : kCorner_m);
 }
 
+/// A body from astern that would come near, both keeping their velocities; null: none does.
+const MovingBody* GoalSelector::pursuer(Time now) const {
+  const Vector2d v_W = here_->v_WB->head<2>();
+  const Vector2d own_W = here_->X_WB.translation.head<2>() + to_seconds(now - here_->time) * v_W;
+  if (!(v_W.norm() > kCourse)) return nullptr;
+  for (const MovingBody& body : bodies_) {
+    const Vector2d to = body.p_W + to_seconds(now - body.time) * body.velocity_W - own_W,
+                   closing = v_W - body.velocity_W;
+    if (to.dot(v_W) > kAstern * to.norm() * v_W.norm()) continue;
+    const double in_s = to.dot(closing) / std::max(closing.squaredNorm(), 1e-9);
+    if (!(in_s > 0 && in_s < config_.planner.search.horizon_s)) continue;
+    const double room_m = vehicle_.hull_radius_m + circumscribed_radius(body) + kNear_m;
+    if ((to - in_s * closing).norm() < room_m) return &body;
+  }
+  return nullptr;
+}
+
+/// From the bodies within reach and the last plan.
+GoalSelector::Assessment GoalSelector::assess(Time now) const {
+  if (bodies_.empty()) return {TrafficSituation::kClear, "no body that moves is within reach"};
+  const bool planned = planner_ && situation_ != TrafficSituation::kClear;
+  if (planned && !planner_->plan().reason.empty()) return {TrafficSituation::kBlocked, planner_->plan().reason};
+  if (const MovingBody* body = pursuer(now)) {
+    return {TrafficSituation::kPursued,
+            fmt::format("obstacle {} comes from astern at {:.1f} m/s", body->number, body->velocity_W.norm()), body};
+  }
+  return {TrafficSituation::kCrossing,
+          fmt::format("{} that move{} within reach",
+                      bodies_.size() == 1 ? "a body" : fmt::format("{} bodies", bodies_.size()),
+                      bodies_.size() == 1 ? "s is" : " are")};
+}
+
+void GoalSelector::enter(const Assessment& assessment, Time now, Outbox& out) {
+  if (assessment.situation >= situation_) situation_held_ = now;
+  if (assessment.situation == situation_) return;
+  if (assessment.situation < situation_ && to_seconds(now - situation_held_) < kSituation_s) return;
+  situation_ = assessment.situation;
+  situation_held_ = now;
+  Decision d{now, "goal selector", "situation", fmt::format("{}: {}", to_text(situation_), assessment.why)};
+  if (assessment.body) {
+    d.obstacle = assessment.body->p_W;
+    d.obstacle_number = assessment.body->number;
+  }
+  out.say(std::move(d));
+}
+
 void GoalSelector::tick(Time now, Outbox& out) {
-  if (moving_.empty() || !may_steer(now)) return;
-  aim();
+  if (!may_steer(now)) return;
   bodies_.clear();
   for (const MovingBody& body : moving_) {
     if (in_reach(body, now)) bodies_.push_back(body);
   }
+  enter(assess(now), now, out);
   if (bodies_.empty()) return;
+  aim();
   bodies_.insert(bodies_.end(), still_->bodies.begin(), still_->bodies.end());
   const TrafficPlan& plan = planner_->step(own_state(now), now, bodies_);
   if (plan.action == TrafficAction::kRefuse) return;

@@ -20,7 +20,13 @@
 // New readings will come before a body is met: its outline grows by at most `max_growth_m` within the horizon, however
 // little its velocity is known now. Without that bound the water ahead of a few new bodies would be closed.
 //
-// A decision tells which body the plan passes, when, and how near (S3-21), once for each body in kTellAgain_s.
+// The situation selects parameters (S3-03). Clear: no body within reach, no order. Crossing: as configured. Pursued: a
+// body comes from astern and would pass within kNear_m; the plan may use more than the speed of the order. Blocked: the
+// planner finds no free motion, or no path (S3-37); it looks for one more often. A less urgent situation than the
+// present one begins when that has not been so for kSituation_s.
+//
+// A decision tells which body the plan passes, when, and how near (S3-21), once for each body in kTellAgain_s; and each
+// change of the situation, with the reason.
 //
 // Frame W, m, s. A function of its messages. Cost: one step of the planner at each tick, see traffic_planner.hpp.
 #pragma once
@@ -39,14 +45,20 @@ struct GoalSelectorConfig {
   double lead_s = 2;
   double turn_reserve = 1.2;
   double max_growth_m = 1;
+  double pursued_speed = 1.3;  ///< of the speed of the order, as far as the vehicle can
+  double blocked_replan_s = 0.2;
   TrafficConfig planner = {.margin_m = 1.2, .sigmas = 1, .roads = false, .search = {}};
 };
 
 std::vector<Field> fields(GoalSelectorConfig& config);
 
+/// In order of urgency.
+enum class TrafficSituation : std::uint8_t { kClear, kCrossing, kPursued, kBlocked };
+const char* to_text(TrafficSituation situation);
+
 class GoalSelector final : public Agent {
  public:
-  static constexpr double kTellAgain_s = 20;
+  static constexpr double kTellAgain_s = 20, kSituation_s = 5, kNear_m = 5;
 
   GoalSelector(const GoalSelectorConfig& config, const VehicleParameters& vehicle);
 
@@ -61,12 +73,21 @@ class GoalSelector final : public Agent {
   [[nodiscard]] MotionState own_state(Time now) const;
   [[nodiscard]] std::size_t waypoint_in_sight() const;
   void aim();
+  struct Assessment {
+    TrafficSituation situation = TrafficSituation::kClear;
+    std::string why;
+    const MovingBody* body = nullptr;
+  };
+  [[nodiscard]] Assessment assess(Time now) const;
+  [[nodiscard]] const MovingBody* pursuer(Time now) const;
+  void enter(const Assessment& assessment, Time now, Outbox& out);
   void tell(Time now, Outbox& out);
 
   GoalSelectorConfig config_;
   VehicleParameters vehicle_;
   std::optional<TrafficPlanner> planner_;  ///< for the speed of the present order
   double speed_ = 0;                       ///< of that planner, m/s
+  bool hurried_ = false;                   ///< whether that planner is one for blocked water
   std::size_t waypoint_ = 0;               ///< its goal
   Waypoint goal_;
 
@@ -81,7 +102,9 @@ class GoalSelector final : public Agent {
   std::optional<Still> still_;
   std::vector<MovingBody> moving_, bodies_;
   bool overruled_ = false;  ///< the Safety Officer stops or turns the vehicle
-  int told_plan_ = 0;       ///< number of the last plan that `tell` has seen
+  TrafficSituation situation_ = TrafficSituation::kClear;
+  Time situation_held_;  ///< when it last was so
+  int told_plan_ = 0;    ///< number of the last plan that `tell` has seen
   std::map<int, Time> told_;
 };
 

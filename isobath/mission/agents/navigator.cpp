@@ -279,6 +279,7 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
   if (found) return take_way(view, found->points, std::move(d), out);
   // Among moving bodies the Goal Selector waits, or finds the way, where the plane of this instant is shut.
   if (is_steered() && found.error() != RouteRefusal::kStartBlocked) return;
+  if (in_traffic() && found.error() == RouteRefusal::kGoalBlocked && goal_blocked_ < goal_scans()) return;
   Refusal refusal = refusal_of(found.error(), view);
   refusal.why = d.reason + "; " + refusal.why;
   refusal.obstacle = d.obstacle;

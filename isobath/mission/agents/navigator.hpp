@@ -101,6 +101,8 @@ class Navigator : public Agent {
   void look(Outbox& out);
   [[nodiscard]] std::optional<Refusal> blind() const;
   void wait_for_goal_selector();
+  [[nodiscard]] bool in_traffic() const;
+  [[nodiscard]] int goal_scans() const;
   bool hand_over_moving(std::vector<Hazard>& hazards);
   void tell_still(const View& view, Outbox& out) const;
   [[nodiscard]] PlanFrame plan_frame() const;

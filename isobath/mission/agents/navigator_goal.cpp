@@ -22,6 +22,13 @@ bool is_certain(HazardKind kind) { return kind == HazardKind::kCharted || kind =
 
 }  // namespace
 
+/// Whether a body moves, or did a short time ago.
+bool Navigator::in_traffic() const { return traffic_ && to_seconds(now_ - *traffic_) < kTraffic_s; }
+
+/// Scans with an obstacle at the mission point after which the point is given up. Among bodies that move, it may not be
+/// known to move yet.
+int Navigator::goal_scans() const { return config_.sure_scans * (in_traffic() ? kTrafficScans : 1); }
+
 // S6-39, S6-51. Removes the obstacles at the point that are not believed yet.
 std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards) {
   const Vector2d& goal_W = request_->target.north_east;
@@ -34,7 +41,7 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   };
   // A body that moves will have left the point; so may one, among bodies that move, that is out of view. One that is
   // near the vehicle is avoided.
-  const bool traffic = traffic_ && to_seconds(now_ - *traffic_) < kTraffic_s;
+  const bool traffic = in_traffic();
   const auto leaves = [&](const Hazard& h) {
     return h.kind == HazardKind::kMoving || (traffic && h.kind == HazardKind::kRemembered);
   };
@@ -52,8 +59,7 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   if (nearest == nullptr) return {};
   // From afar an obstacle is no reason to give up the point: the vehicle goes on and looks again.
   const bool far = (goal - vehicle).norm() > config_.decide_within_m;
-  // Among bodies that move, one at the point may not be known to move yet.
-  if (!sure && (far || goal_blocked_ < config_.sure_scans * (traffic ? kTrafficScans : 1))) {
+  if (!sure && (far || goal_blocked_ < goal_scans())) {
     std::erase_if(hazards,
                   [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
     return {};
