@@ -73,6 +73,7 @@ nlohmann::ordered_json traffic_json(const TrafficStudy& study) {
                     {"mended", row.mended},
                     {"refused_paths", row.refused_paths},
                     {"length_median", row.length_median},
+                    {"deviation_median_m", row.deviation_median_m},
                     {"curvature_most", row.curvature_most},
                     {"time_median", row.time_median},
                     {"time_p95", row.time_p95},

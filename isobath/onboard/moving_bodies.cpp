@@ -14,7 +14,8 @@ constexpr double kProbably = 0.5;   // probability of lying still from which a b
 constexpr double kSignificant = 3;  // standard deviations of the speed, above zero
 constexpr std::size_t kMaxHeads = 16;
 constexpr std::uint32_t kDoubtReadings = 6;  // before that, nothing is known of its motion
-constexpr double kThinnest = 0.2;            // m: half of the least side of an outline
+constexpr double kHalf = 0.5;
+constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
 constexpr double kEven = 1.732;  // half of a line over the standard deviation of echoes that are spread evenly over it
 constexpr int kCorners = 8;      // of an outline about the ellipse
 
@@ -119,14 +120,15 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, cons
     return false;
   const Place& then = body.trail.front();
   const Eigen::Vector2d now_W = e.mean.head<2>();
-  if (then.contains(now_W) || then.contains(now_W - own_W_ + then.own_W)) return false;
+  const bool glint = may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, position_sigma(track));
+  const double scale = glint ? 1 : kHalf;  // of its place, which far away is as large as a beam is wide
+  if (then.contains(now_W, scale) || then.contains(now_W - own_W_ + then.own_W, scale)) return false;
   const Eigen::Vector2d along = velocity.normalized();
   const double half = kSigmas * std::sqrt(std::max(along.dot(track.extent * along), 0.0));
   const Eigen::Vector2d ahead_W = now_W + (half + config_.margin_m + water.grid.cells().cell_m) * along;
   if (water.is_free(ahead_W)) return true;
   // Far away the grid learns late that water is free.
-  return water.is_unoccupied(ahead_W) &&
-         !may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, position_sigma(track));
+  return water.is_unoccupied(ahead_W) && !glint;
 }
 
 bool MovingBodies::lies_still(const BodyTrack& track) const {
@@ -211,9 +213,9 @@ void MovingBodies::Place::move(const Eigen::Vector2d& by_W) {
   own_W += by_W;
 }
 
-bool MovingBodies::Place::contains(const Eigen::Vector2d& p_W) const {
+bool MovingBodies::Place::contains(const Eigen::Vector2d& p_W, double scale) const {
   const Eigen::Vector2d off = p_W - centre_W;
-  return off.dot(shape.inverse() * off) <= 1;
+  return off.dot(shape.inverse() * off) <= scale * scale;
 }
 
 template <class Use>

@@ -2,12 +2,12 @@
 // that move (Rodin, Amin c. 1988, 2.1; ledger S3-04, S3-15, S3-21).
 //
 // Each ping gives readings of bodies (body_looks.hpp), which a tracker takes (body_tracker.hpp). A confirmed track
-// moves if it is improbable that it lies still, its speed is well known and at least `min_speed`, it has left, by more
-// than its size, the place where it was read some time ago (kTrail readings at most), in the world and as seen from the
-// vehicle, and the grid knows the water ahead of it as free, or, where its way cannot be that of a glint on a surface
-// that the vehicle passes, does not know it as occupied. Reverberation goes along with the vehicle, and the glint on a
-// hull slides along the hull. It stays so until it has probably lain still for kStopped_s: a body that turns back
-// stops for a moment.
+// moves if it is improbable that it lies still, its speed is well known and at least `min_speed`, it has left the place
+// where it was read some time ago (kTrail readings at most), in the world and as seen from the vehicle, and the grid
+// knows the water ahead of it as free. On a surface that lies still, such as a hull, a glint slides along with the
+// vehicle, and reverberation goes along with it. Where the way of a track cannot be that of a glint, it need leave its
+// place by half of its size only, and the water ahead need only not be known as occupied. A track that moves does so
+// until it has probably lain still for kStopped_s: a body that turns back stops for a moment.
 //
 // Maps take the world for still. So the echoes of a body that moves go to its track: `withhold` makes their bins ones
 // without information, for all maps. The maps clear the water behind it by the pings that pass through. What a map took
@@ -101,7 +101,8 @@ class MovingBodies {
     Eigen::Matrix2d shape;
     Eigen::Vector2d own_W;  ///< where the vehicle was then
 
-    [[nodiscard]] bool contains(const Eigen::Vector2d& p_W) const;
+    /// Whether p lies in the ellipse, its axes scaled.
+    [[nodiscard]] bool contains(const Eigen::Vector2d& p_W, double scale = 1) const;
     void move(const Eigen::Vector2d& by_W);
   };
   struct Body {

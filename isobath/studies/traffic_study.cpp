@@ -101,7 +101,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
     }
   });
   TrafficRow row{.method = method, .discs = discs, .max_speed = max_speed, .runs = request.runs};
-  std::vector<double> time, gap, length, water;
+  std::vector<double> time, gap, length, deviation, water;
   LatencyHistogram all;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const TrafficRun& run = runs[i];
@@ -120,6 +120,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
     time.push_back(run.time_s / run.free_time_s);
     length.push_back(run.length_m / (run.free_time_s * TrafficScene::kSpeed));
     gap.push_back(run.least_gap_m);
+    deviation.push_back(run.deviation_m);
     water.insert(water.end(), run.water_m.begin(), run.water_m.end());
     all.add(times[i]);
   }
@@ -127,6 +128,7 @@ TrafficRow traffic_row(const TrafficRequest& request, TrafficMethod method, int 
   row.deep_share = wilson_interval(row.deep_contacts, row.runs);
   row.arrived_share = wilson_interval(row.arrived, row.runs);
   row.length_median = quantile_of(length, 0.5);
+  row.deviation_median_m = quantile_of(deviation, 0.5);
   row.time_median = quantile_of(time, 0.5);
   row.time_p95 = quantile_of(time, 0.95);
   row.gap_median_m = quantile_of(gap, 0.5);
@@ -183,6 +185,7 @@ TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int 
     }
     const double way_m = (runner.own().p_W - from.p_W).norm();
     result.length_m += way_m;
+    result.deviation_m += way_m * std::abs(runner.own().p_W.y() - TrafficScene::goal().y());
     const double turn = std::abs(std::remainder(runner.own().heading - from.heading, 2 * std::numbers::pi));
     // In less than a centimetre the digits of the places count for more than the turn.
     if (way_m > 0.01) result.curvature = std::max(result.curvature, turn / way_m / request.vehicle.max_curvature());
@@ -190,6 +193,7 @@ TrafficRun run_traffic(const TrafficRequest& request, TrafficMethod method, int 
     result.least_gap_m = std::min(result.least_gap_m, scene.gap(runner.own().p_W));
     result.arrived = (TrafficScene::goal() - runner.own().p_W).norm() <= TrafficScene::kArrival_m;
   }
+  if (result.length_m > 0) result.deviation_m /= result.length_m;
   if (keep_track) result.track.push_back({result.time_s, runner.own()});
   return result;
 }

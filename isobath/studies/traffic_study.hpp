@@ -65,6 +65,7 @@ struct TrafficRun {
   double least_gap_m = 0;         ///< below 0: contact
   double free_time_s = 0;         ///< along the shortest path past still structures
   double length_m = 0;            ///< of the track
+  double deviation_m = 0;         ///< from the straight way, mean over the length of the track (S3-17)
   double curvature = 0;           ///< the greatest of the track, over the greatest that the vehicle can follow
   int steps_without_motion = 0;   ///< in which no free motion was found
   int steps_without_path = 0;     ///< in which the road map had no path or no motion along one
@@ -94,6 +95,7 @@ struct TrafficRow {
   double length_median = 0;                      ///< of the track over the shortest path
   double curvature_most = 0;  ///< the greatest of all tracks, over the greatest that the vehicle can follow
   double gap_median_m = 0, gap_least_m = 0;
+  double deviation_median_m = 0;
   double water_median_m = 0, water_p05_m = 0;  ///< over all runs and seconds; 5 % are narrower
   std::vector<int> contact_runs = {};
   StageTime step = {};

@@ -123,6 +123,8 @@ TEST_F(GoalSelectorTest, SaysInWhichSituationItIsAndChangesItsParametersWithIt) 
     const auto orders = only<MotionOrder>(go_to(own));
     return orders.empty() ? 0 : (orders[0].place_W - own).norm() / config.lead_s;
   };
+  vehicle.min_speed = 0.7;
+  make();
   order({{100, 0, 1, 1.5}});
   still({});
   sweep({30, 15}, {0, -0.3});
@@ -131,20 +133,20 @@ TEST_F(GoalSelectorTest, SaysInWhichSituationItIsAndChangesItsParametersWithIt) 
   // One comes from astern at 2 m/s. As long as it does, the plan may use more than the speed of the order.
   for (double t = 0; t < 3; t += 0.1) {
     still({});
-    sweep({-14 + 2 * t, 0.5}, {2, 0});
+    sweep({-9 + 2 * t, 0.5}, {2, 0});
     speed_of_order({1.5 * t, 0});
   }
   ASSERT_EQ(situations().size(), 2u);
   EXPECT_EQ(situations()[1], "pursued: obstacle 5 comes from astern at 2.0 m/s");
   EXPECT_GT(speed_of_order({4.5, 0}), 1.6);
-  // Four walls stand round it: no motion is free.
-  still({{{10, -9}, {11, -9}, {11, 9}, {10, 9}},
-         {{-2, -9}, {-1, -9}, {-1, 9}, {-2, 9}},
-         {{-2, 6}, {11, 6}, {11, 7}, {-2, 7}},
-         {{-2, -7}, {11, -7}, {11, -6}, {-2, -6}}});
-  sweep({8, 4}, {-0.5, -0.5});
-  go_to({4.5, 0});
+  // Four walls stand round it: it can neither stop nor turn.
+  still({{{9, -6}, {10, -6}, {10, 6}, {9, 6}},
+         {{1, -6}, {2, -6}, {2, 6}, {1, 6}},
+         {{1, 4}, {10, 4}, {10, 5}, {1, 5}},
+         {{1, -5}, {10, -5}, {10, -4}, {1, -4}}});
+  sweep({20, 4}, {-0.5, -0.5});
   go_to({4.6, 0});
+  go_to({4.7, 0});
   ASSERT_EQ(situations().size(), 3u);
   EXPECT_EQ(situations()[2].substr(0, 9), "blocked: ");
   // The walls are gone, and then the body is: each less urgent situation begins after a while.

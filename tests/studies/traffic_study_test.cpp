@@ -16,6 +16,7 @@ TEST(TrafficStudy, DrawsTheScenesOfTheBenchmark) {
   EXPECT_NEAR(row.contacts / 500.0, 0.428, 0.005);
   EXPECT_EQ(row.arrived, 500);
   EXPECT_DOUBLE_EQ(row.time_median, 1);
+  EXPECT_DOUBLE_EQ(row.deviation_median_m, 0);
 }
 
 // ledger: S3-01 S3-32 S3-D01
@@ -34,6 +35,8 @@ TEST(TrafficStudy, MeetsNothingAndIsTheSameOnAnyNumberOfThreads) {
   const TrafficRow three = study_traffic(request).rows.at(0);
   EXPECT_EQ(one.time_p95, three.time_p95);
   EXPECT_EQ(one.gap_median_m, three.gap_median_m);
+  EXPECT_EQ(one.water_median_m, three.water_median_m);
+  EXPECT_EQ(one.deviation_median_m, three.deviation_median_m);
   EXPECT_EQ(one.gap_least_m, three.gap_least_m);
 }
 
