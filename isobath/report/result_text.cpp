@@ -245,21 +245,17 @@ ordered_json truth_json(const TruthScore& score) {
                        {"false_alarms", score.false_alarms}}},
                      {"scans_with_false_alarms", score.scans_with_false_alarms}};
   const MotionScore& m = score.motion;
-  if (m.scans == 0) return truth;
-  ordered_json motion{{"scans", m.scans},
-                      {"ospa_m", tidy(m.ospa_m)},
-                      {"bodies", m.bodies},
-                      {"known", m.known},
-                      {"switches", m.switches},
-                      {"held_share", tidy(m.held_share)},
-                      {"false_tracks", tidy(m.false_tracks)}};
-  if (m.known > 0) {
-    motion["velocity_rms"] = tidy(m.velocity_rms);
-    motion["position_rms_m"] = tidy(m.position_rms_m);
-    motion["known_after_s"] = tidy(m.known_after_s);
-    motion["known_after_95_s"] = tidy(m.known_after_95_s);
-  }
-  truth["motion"] = std::move(motion);
+  truth["motion"] = {{"scans", m.scans},
+                     {"ospa_m", tidy(m.ospa_m)},
+                     {"bodies", m.bodies},
+                     {"known", m.known},
+                     {"switches", m.switches},
+                     {"held_share", tidy(m.held_share)},
+                     {"false_tracks", tidy(m.false_tracks)},
+                     {"velocity_rms", tidy(m.velocity_rms)},
+                     {"position_rms_m", tidy(m.position_rms_m)},
+                     {"known_after_s", tidy(m.known_after_s)},
+                     {"known_after_95_s", tidy(m.known_after_95_s)}};
   return truth;
 }
 
