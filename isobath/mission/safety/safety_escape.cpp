@@ -20,6 +20,7 @@ constexpr double kMinSpeed = 0.1;      // m/s
 constexpr double kTurnsWithin = 0.25;  // of its radius: the distance in which a turn builds up
 constexpr double kFenceNear = 40;      // m: farther parts of the fence do not matter to a turn
 constexpr double kFenceApart = 1;      // m, between the points that stand for it
+constexpr double kMovers = 10;         // s: for which an escape leads past bodies that move, where there is such a one
 constexpr double kOnTheFence = 0.1;    // m: nearer to it, the direction to it is noise
 constexpr double kQuarter = std::numbers::pi / 2;
 /// Shares of the margin: where no escape manoeuvre keeps all of it, one that keeps less is better than none.
@@ -162,13 +163,14 @@ void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const ObstaclePoin
 }
 
 void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const ObstaclePoint> known_L) {
-  EscapeTask task = escape_task(true);
+  const EscapeTask task = escape_task(true);
   const EscapeSearch search(known_L, task);
   const Escape ordered = search.after(ordered_turn(), kLookAhead);
   const bool safe = search.free(ordered) && !imminent_.raised();
   const bool taking = raised(Fault::kCollisionUnavoidable) && turn_;
   if (safe && !taking) return;
-  // 1. the escape manoeuvre: the current one as long as it is free
+  // 1. the escape manoeuvre: the current one as long as it is free. An order counts as safe although a body may meet
+  // its escape later than in the next seconds; the escape that is steered should not.
   const Angle heading = fix_->navigation.X_WB.rotation.heading();
   if (taking) {
     way_out_.turn -= (heading - way_out_from_).wrapped().radians();
@@ -179,12 +181,19 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const ObstaclePoint
     const Escape under_way = taking ? among.try_turn(way_out_.turn, way_out_.wait_s) : Escape{};
     return among.free(under_way) ? under_way : among.best();
   };
-  Escape escape = way_out(search);
-  for (const double share : kNarrower) {
-    if (search.free(escape)) break;
-    task.room_m = vehicle_.hull_radius_m + share * config_.collision_margin_m;
-    escape = way_out(EscapeSearch(known_L, task));
-  }
+  const auto way_past = [&](double moving_s) {
+    EscapeTask past = task;
+    past.moving_s = moving_s;
+    Escape found = way_out(EscapeSearch(known_L, past));
+    for (const double share : kNarrower) {
+      if (search.free(found)) break;
+      past.room_m = vehicle_.hull_radius_m + share * config_.collision_margin_m;
+      found = way_out(EscapeSearch(known_L, past));
+    }
+    return found;
+  };
+  Escape escape = way_past(movers_.empty() ? task.moving_s : std::max(task.moving_s, kMovers));
+  if (!search.free(escape) && !movers_.empty()) escape = way_past(task.moving_s);
   bool free = search.free(escape);
   if (safe && !free) {  // going on as ordered is free
     escape = {0, ordered_turn(), ordered.free_s, ordered.room_m, {}};
