@@ -61,6 +61,8 @@ std::vector<Field> fields(GoalSelectorConfig& c) {
       Field::real("turn_reserve", &c.turn_reserve, {1, 10}, "1", "Turning radius of a plan, in that of the vehicle."),
       Field::real("pursued_speed", &c.pursued_speed, {1, 10}, "1",
                   "Speed of a plan while a body comes from astern, in that of the order, as far as the vehicle can."),
+      Field::real("pursued_margin_m", &c.pursued_margin_m, {0, 100}, "m",
+                  "The margin of such a plan, if it is larger."),
       Field::real("blocked_replan_s", &c.blocked_replan_s, {0.1, 60}, "s",
                   "Time between two searches while there is no free motion."),
   };
@@ -167,7 +169,7 @@ void GoalSelector::aim() {
              is_blocked = situation_ == TrafficSituation::kBlocked;
   const double wanted = is_pursued ? config_.pursued_speed * goal.speed : goal.speed;
   const double speed = std::clamp(wanted, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
-  const bool anew = !planner_ || speed != speed_ || is_blocked != hurried_;
+  const bool anew = !planner_ || speed != speed_ || planned_for_ != situation_;
   if (anew) {
     TrafficVehicle v;
     v.radius_m = vehicle_.hull_radius_m;
@@ -178,8 +180,9 @@ void GoalSelector::aim() {
     v.acceleration = vehicle_.limits.max_acceleration;
     v.braking = vehicle_.braking;
     TrafficConfig rules = config_.planner;
+    if (is_pursued) rules.margin_m = std::max(rules.margin_m, config_.pursued_margin_m);
     if (is_blocked) rules.replan_s = std::min(rules.replan_s, config_.blocked_replan_s);
-    hurried_ = is_blocked;
+    planned_for_ = situation_;
     planner_.emplace(rules, v);
     speed_ = speed;
     told_plan_ = 0;

@@ -21,9 +21,9 @@
 // little its velocity is known now. Without that bound the water ahead of a few new bodies would be closed.
 //
 // The situation selects parameters (S3-03). Clear: no body within reach, no order. Crossing: as configured. Pursued: a
-// body comes from astern and would pass within kNear_m; the plan may use more than the speed of the order. Blocked: the
-// planner finds no free motion, or no path (S3-37); it looks for one more often. A less urgent situation than the
-// present one begins when that has not been so for kSituation_s.
+// body comes from astern and would pass within kNear_m; there is time, so the plan keeps a larger margin, and it may
+// use more than the speed of the order. Blocked: the planner finds no free motion, or no path (S3-37); it looks for one
+// more often. A less urgent situation than the present one begins when that has not been so for kSituation_s.
 //
 // A decision tells which body the plan passes, when, and how near (S3-21), once for each body in kTellAgain_s; and each
 // change of the situation, with the reason.
@@ -46,6 +46,7 @@ struct GoalSelectorConfig {
   double turn_reserve = 1.2;
   double max_growth_m = 1;
   double pursued_speed = 1.3;  ///< of the speed of the order, as far as the vehicle can
+  double pursued_margin_m = 2.5;
   double blocked_replan_s = 0.2;
   TrafficConfig planner = {.margin_m = 1.2, .sigmas = 1, .roads = false, .search = {}};
 };
@@ -85,10 +86,10 @@ class GoalSelector final : public Agent {
 
   GoalSelectorConfig config_;
   VehicleParameters vehicle_;
-  std::optional<TrafficPlanner> planner_;  ///< for the speed of the present order
-  double speed_ = 0;                       ///< of that planner, m/s
-  bool hurried_ = false;                   ///< whether that planner is one for blocked water
-  std::size_t waypoint_ = 0;               ///< its goal
+  std::optional<TrafficPlanner> planner_;                    ///< for the speed of the present order
+  double speed_ = 0;                                         ///< of that planner, m/s
+  TrafficSituation planned_for_ = TrafficSituation::kClear;  ///< of that planner
+  std::size_t waypoint_ = 0;                                 ///< its goal
   Waypoint goal_;
 
   std::optional<Navigation> here_;
