@@ -125,9 +125,8 @@ int run_traffic_study(TrafficOptions& options) {
     return kSuccess;
   }
   fmt::print(
-      "{}time over the time of the shortest path past still structures, median and 95 %; gap median and least; width "
-      "of "
-      "the widest way between the bodies, median and 5 %\n",
+      "{}time over the time of the shortest path past still structures, median and 95 %; gap median and least; "
+      "width of the widest way between the bodies, median and 5 %\n",
       traffic_table(study));
   const bool has_roads = std::ranges::any_of(study.rows, [](const TrafficRow& row) { return row.road_plans > 0; });
   if (has_roads) {

@@ -102,10 +102,13 @@ PotentialFieldHelm::PotentialFieldHelm(const MissionPlan& mission, const Vehicle
                                        const PotentialFieldConfig& config)
     : LineOfSightHelm(mission, vehicle), config_(config) {}
 
-void PotentialFieldHelm::on_scan(const ScanResult& scan) {
-  outlines_.clear();
-  for (const Obstacle& o : scan.detection.obstacles) outlines_.push_back(world_outline(o, scan.detection.X_WB));
+std::vector<Polygon> outlines_of(const ScanResult& scan) {
+  std::vector<Polygon> outlines;
+  for (const Obstacle& o : scan.detection.obstacles) outlines.push_back(world_outline(o, scan.detection.X_WB));
+  return outlines;
 }
+
+void PotentialFieldHelm::on_scan(const ScanResult& scan) { outlines_ = outlines_of(scan); }
 
 Setpoint PotentialFieldHelm::decide(const Setpoint& wanted) {
   if (progress().phase != MissionPhase::kUnderWay) return wanted;

@@ -72,6 +72,9 @@ class LineOfSightHelm : public Helm {
   std::vector<Decision> decisions_;
 };
 
+/// The outlines of all obstacles of a scan, in W.
+std::vector<Polygon> outlines_of(const ScanResult& scan);
+
 struct PotentialFieldConfig {
   double clearance_m = 3;
   double reach_m = 15;

@@ -99,10 +99,7 @@ StopAndWaitHelm::StopAndWaitHelm(const MissionPlan& mission, const VehicleParame
                                  const StopAndWaitConfig& config)
     : LineOfSightHelm(mission, vehicle), config_(config) {}
 
-void StopAndWaitHelm::on_scan(const ScanResult& scan) {
-  outlines_.clear();
-  for (const Obstacle& o : scan.detection.obstacles) outlines_.push_back(world_outline(o, scan.detection.X_WB));
-}
+void StopAndWaitHelm::on_scan(const ScanResult& scan) { outlines_ = outlines_of(scan); }
 
 std::optional<Vector2d> StopAndWaitHelm::obstruction(double look_m) const {
   const Vector2d to_point = point().north_east - here();

@@ -1,14 +1,13 @@
 // Baselines for suites in which bodies move. Both steer by line of sight to the mission point (LineOfSightHelm) and
 // differ in what they do about bodies.
 //
-// VelocityObstacleHelm  Optimal reciprocal collision avoidance (van den Berg et al. 2009, reciprocal_avoidance.hpp)
-// with
-//                       the whole responsibility: the others do not react. It gets the true place, velocity and radius
-//                       of each body at the present time, which no sonar gives, and its own position from the
-//                       navigation. A body counts as the disc around each convex part of its outline in plan. Heading
-//                       and speed of the chosen velocity are the set-point. The method takes the vehicle for a disc
-//                       that changes its velocity at once; the vehicle has a turning radius and a minimum speed.
-//                       Without a body in the way the set-point is that of line of sight.
+// VelocityObstacleHelm  Optimal reciprocal collision avoidance (van den Berg et al. 2009; reciprocal_avoidance.hpp).
+//                       The helm takes the whole responsibility, because the others do not react. It is told the true
+//                       place, velocity and radius of each body; no sonar measures these without error. Its own
+//                       position is that of the navigation. A body counts as the disc around each convex part of its
+//                       outline in plan. Heading and speed of the chosen velocity are the set-point. The method takes
+//                       the vehicle for a disc that changes its velocity at once; the vehicle has a turning radius and
+//                       a minimum speed. Without a body in the way the set-point is that of line of sight.
 // StopAndWaitHelm       Goes straight. Where an obstacle of the last scan lies in the way ahead, it commands speed 0
 //                       until the way is clear, and gives up after `patience_s`. The way ahead is a strip of the hull's
 //                       width and a clearance on each side, max(look_m, look_s of way) long. A vehicle that cannot stop

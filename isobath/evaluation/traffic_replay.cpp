@@ -5,6 +5,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/evaluation/traffic_replay.hpp>
 #include <isobath/io/input/position_table.hpp>
+#include <isobath/sim/clutter.hpp>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -16,8 +17,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kReplayTries = 1000;
-
-double rounded_to_cm(double metres) { return std::round(metres * 100) / 100; }
 
 /// Joins the reports of each ship, in the order of their times.
 class TrackJoiner {
@@ -117,7 +116,7 @@ Body ship_body(const RecordedTrack& track, const ReplayPlacement& placement, con
   Body body;
   body.name = fmt::format("ship {}", track.ship);
   const auto add = [&](double t, const Vector2d& recorded) {
-    const Vector2d p = placement.to_W(recorded).unaryExpr(&rounded_to_cm);
+    const Vector2d p = placement.to_W(recorded).unaryExpr(&whole_cm);
     body.path.insert(body.path.end(), {t, p.x(), p.y(), depth});
   };
   add(0, track.at(placement.recorded_s(0)));

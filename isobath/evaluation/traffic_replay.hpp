@@ -64,7 +64,7 @@ struct TrafficRecording {
   std::vector<RecordedTrack> tracks;
   std::map<std::string, std::uint64_t> left_out;  ///< reason: reports
 
-  /// Of all times and places.
+  /// A number that changes with any time or place of the recording.
   [[nodiscard]] std::uint64_t digest() const;
 };
 

@@ -120,7 +120,8 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, cons
     return false;
   const Place& then = body.trail.front();
   const Eigen::Vector2d now_W = e.mean.head<2>();
-  const bool glint = may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, position_sigma(track));
+  const bool glint =
+      may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, greatest_deviation(e.covariance.topLeftCorner<2, 2>()));
   const double scale = glint ? 1 : kHalf;  // of its place, which far away is as large as a beam is wide
   if (then.contains(now_W, scale) || then.contains(now_W - own_W_ + then.own_W, scale)) return false;
   const Eigen::Vector2d along = velocity.normalized();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
+#include <isobath/recording/exact_json.hpp>
 #include <isobath/recording/message_json.hpp>
 #include <nlohmann/json.hpp>
 
@@ -10,21 +11,6 @@ namespace {
 
 using Content = nlohmann::ordered_json;
 
-Content exact_enough(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::round(value * 1e6) / 1e6;
-}
-Content exact_enough(Angle angle) { return exact_enough(angle.radians()); }
-template <class Value>
-Content exact_enough(const std::optional<Value>& value) {
-  return value ? exact_enough(*value) : Content();
-}
-template <int kSize>
-Content components_of(const Eigen::Matrix<double, kSize, 1>& v) {
-  Content row = Content::array();
-  for (int i = 0; i < kSize; ++i) row.push_back(exact_enough(v[i]));
-  return row;
-}
 Content pose_content(const Pose& X) {
   const Eigen::Quaterniond& q = X.rotation.quaternion();
   return {{"place", components_of<3>(X.translation)},

@@ -1,35 +1,27 @@
-#include <cmath>
+#include <isobath/recording/exact_json.hpp>
 #include <isobath/recording/track_json.hpp>
-#include <nlohmann/json.hpp>
 
 namespace isobath {
 namespace {
 
 using Content = nlohmann::ordered_json;
 
-Content to_1e_6(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::round(value * 1e6) / 1e6;
-}
-
-Content plane_content(const Eigen::Vector2d& v) { return Content::array({to_1e_6(v.x()), to_1e_6(v.y())}); }
-
 Content covariance_content(const Eigen::Matrix2d& c) {
-  return Content::array({to_1e_6(c(0, 0)), to_1e_6(c(0, 1)), to_1e_6(c(1, 1))});
+  return Content::array({exact_enough(c(0, 0)), exact_enough(c(0, 1)), exact_enough(c(1, 1))});
 }
 
 Content body_content(const Obstacle& o, const Pose& X_WB) {
   const Eigen::Vector3d centre_W = level(X_WB) * Eigen::Vector3d(o.centre.x(), o.centre.y(), 0);
   Content outline = Content::array();
-  for (const Eigen::Vector2d& p_W : world_outline(o, X_WB)) outline.push_back(plane_content(p_W));
+  for (const Eigen::Vector2d& p_W : world_outline(o, X_WB)) outline.push_back(components_of<2>(p_W));
   return {{"track", o.motion.track},
           {"number", o.number},
-          {"place", plane_content(centre_W.head<2>())},
-          {"velocity", plane_content(o.motion.velocity_W)},
+          {"place", components_of<2>(centre_W.head<2>())},
+          {"velocity", components_of<2>(o.motion.velocity_W)},
           {"position_covariance", covariance_content(o.motion.position_covariance)},
           {"velocity_covariance", covariance_content(o.motion.velocity_covariance)},
           {"outline", std::move(outline)},
-          {"existence", to_1e_6(o.existence)}};
+          {"existence", exact_enough(o.existence)}};
 }
 
 }  // namespace

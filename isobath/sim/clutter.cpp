@@ -17,7 +17,6 @@ constexpr double kSample_m = 0.25;     // spacing of the points of the passage a
 constexpr double kThick_m = 0.4;       // thickness of walls
 constexpr double kSquareMetres = 1e4;  // a hectare
 
-double whole_cm(double metres) { return std::round(metres * 100) / 100; }
 double draw_cm(Random& random, double low, double high) { return whole_cm(random.uniform(low, high)); }
 
 /// Whole degrees in [0, 180): an upright body looks the same after half a turn.
@@ -170,6 +169,8 @@ Body basin_wall(const ClutterConfig& c) {
 }
 
 }  // namespace
+
+double whole_cm(double metres) { return std::round(metres * 100) / 100; }
 
 std::vector<Field> fields(ClutterConfig& c) {
   return {Field::real("density", &c.density, {0, 1000}, "1/ha", "Bodies per hectare; 0: no field."),

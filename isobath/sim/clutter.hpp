@@ -26,6 +26,9 @@
 
 namespace isobath {
 
+/// To a whole centimetre.
+double whole_cm(double metres);
+
 struct ClutterConfig {
   double density = 0;     ///< bodies per hectare; 0: no field
   double length_m = 120;  ///< from start to goal

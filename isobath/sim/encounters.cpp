@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <isobath/base/random.hpp>
+#include <isobath/sim/clutter.hpp>
 #include <isobath/sim/encounters.hpp>
 #include <optional>
 
@@ -14,8 +15,6 @@ using Kind = EncounterKind;
 
 constexpr int kEncounterTries = 1000;
 constexpr double kApart_m = 1;  // between the hulls of two targets at the start
-
-double to_whole_cm(double metres) { return std::round(metres * 100) / 100; }
 
 /// The kinds that may follow one in a situation, in the order of the baseline situations.
 std::vector<Kind> kinds_after(Kind kind) {
@@ -75,8 +74,8 @@ std::optional<MeetingTarget> draw_target(Random& random, Kind kind, const Encoun
 
 Body target_body(const MeetingTarget& target, const EncounterConfig& config, double duration_s) {
   const double depth = (config.top_m + config.bottom_m) / 2;
-  const Vector2d from = target.start_W.unaryExpr(&to_whole_cm);
-  const Vector2d to = (target.start_W + duration_s * target.velocity_W).unaryExpr(&to_whole_cm);
+  const Vector2d from = target.start_W.unaryExpr(&whole_cm);
+  const Vector2d to = (target.start_W + duration_s * target.velocity_W).unaryExpr(&whole_cm);
   Body body;
   body.shape = Cylinder{
       .centre = {from.x(), from.y(), depth}, .radius = config.radius_m, .length = config.bottom_m - config.top_m};

@@ -20,9 +20,9 @@ class TrafficGaps {
 
   /// Follows the discs of the scene to its time.
   void follow(const TrafficScene& scene);
-  /// Of the widest way between two places; 0 or below: the discs shut it.
+  /// Width of the widest way between two places; 0 or below where discs shut all ways.
   [[nodiscard]] double widest_m(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
-  /// So far, of all edges.
+  /// Number of flips of edges so far.
   [[nodiscard]] std::int64_t flips() const { return flips_; }
 
  private:
