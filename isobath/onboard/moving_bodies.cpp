@@ -15,6 +15,7 @@ constexpr double kSignificant = 3;  // standard deviations of the speed, above z
 constexpr std::size_t kMaxHeads = 16;
 constexpr std::uint32_t kDoubtReadings = 6;  // before that, nothing is known of its motion
 constexpr double kHalf = 0.5;
+constexpr double kOften_s = 2;     // between the readings of a body, on average
 constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
 constexpr double kEven = 1.732;  // half of a line over the standard deviation of echoes that are spread evenly over it
 constexpr int kCorners = 8;      // of an outline about the ellipse
@@ -122,14 +123,16 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, cons
   const Eigen::Vector2d now_W = e.mean.head<2>();
   const bool glint =
       may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, greatest_deviation(e.covariance.topLeftCorner<2, 2>()));
-  const double scale = glint ? 1 : kHalf;  // of its place, which far away is as large as a beam is wide
-  if (then.contains(now_W, scale) || then.contains(now_W - own_W_ + then.own_W, scale)) return false;
   const Eigen::Vector2d along = velocity.normalized();
   const double half = kSigmas * std::sqrt(std::max(along.dot(track.extent * along), 0.0));
   const Eigen::Vector2d ahead_W = now_W + (half + config_.margin_m + water.grid.cells().cell_m) * along;
-  if (water.is_free(ahead_W)) return true;
-  // Far away the grid learns late that water is free.
-  return water.is_unoccupied(ahead_W) && !glint;
+  const bool free = water.is_free(ahead_W);
+  // Far away the grid learns late that water is free. A track of rare looks may join several things that lie still.
+  const bool often = to_seconds(track.last - track.first) < kOften_s * track.readings;
+  if (!free && (glint || !often || !water.is_unoccupied(ahead_W))) return false;
+  // It must have left its place, which far away is as large as a beam is wide; half of it, if the water ahead is free.
+  const double scale = glint || !free ? 1 : kHalf;
+  return !then.contains(now_W, scale) && !then.contains(now_W - own_W_ + then.own_W, scale);
 }
 
 bool MovingBodies::lies_still(const BodyTrack& track) const {

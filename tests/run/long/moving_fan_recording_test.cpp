@@ -15,6 +15,7 @@ RunOutcome run_of(const std::filesystem::path& input, LogTrack track = LogTrack:
   return run(request);
 }
 
+// ledger: S3-15
 TEST(MovingFanRecording, TheBasinOfAracati2017) {
   ISOBATH_NEEDS_DATA(folder, "aracati2017-detections");
   const RunOutcome outcome = run_of(folder);
@@ -29,6 +30,10 @@ TEST(MovingFanRecording, TheBasinOfAracati2017) {
   EXPECT_NEAR(at(10), 5848, 15);
   EXPECT_NEAR(at(-20), 7967, 20);
   EXPECT_NEAR(double(sharpness.mirrored), 15'561, 40);
+  const MovingBodies::Counts& bodies = outcome.counts.bodies;
+  EXPECT_GT(bodies.confirmed, 200u);
+  EXPECT_EQ(bodies.moving, 0u) << "boats at their moorings, and quays";
+  EXPECT_GT(double(bodies.slow), 0.83 * double(bodies.confirmed));
 }
 
 // ledger: S6-66 S6-F04
