@@ -120,6 +120,9 @@ void print_input(const RunOutcome& outcome) {
     fmt::print("{} bod{} found to move; {} echoes of moving bodies went to no map\n", moving,
                moving == 1 ? "y was" : "ies were", n.of_moving);
   }
+  if (n.bodies.left_out > 0) {
+    fmt::print("too many echoes to track all: {} readings and tracks of bodies were left out\n", n.bodies.left_out);
+  }
   if (n.vertical > 0) fmt::print("received {} pings of vertical fans, for the voxel map\n", n.vertical);
 }
 

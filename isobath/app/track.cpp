@@ -29,26 +29,37 @@ nlohmann::ordered_json score_json(const TrackScore& score) {
           {"velocity_error_median", score.velocity_median},
           {"still", score.still},
           {"still_moving", score.still_moving},
-          {"false_tracks", score.false_tracks}};
+          {"false_tracks", score.false_tracks},
+          {"ospa_m", score.ospa_m}};
 }
 
 void print_score(const char* name, const TrackScore& score) {
   const double held = score.asked > 0 ? 100.0 * static_cast<double>(score.held) / static_cast<double>(score.asked) : 0;
-  fmt::print("{:18}  {:5.1f} %  {:8}  {:12.2f}  {:15.2f}  {:>12}  {:12.2f}\n", name, held, score.switches,
+  fmt::print("{:18}  {:5.1f} %  {:8}  {:12.2f}  {:15.2f}  {:>12}  {:12.2f}  {:7.2f}\n", name, held, score.switches,
              score.velocity_median, score.velocity_rms, fmt::format("{} of {}", score.still_moving, score.still),
-             score.false_tracks);
+             score.false_tracks, score.ospa_m);
 }
 
-void print_tracks(const TrackStudy& study, const std::filesystem::path& out,
+void print_tracks(const TrackStudy& study, int most_readings, const std::filesystem::path& out,
                   const std::vector<std::filesystem::path>& files) {
   const std::size_t still = static_cast<std::size_t>(std::ranges::count_if(study.courses, &TrackCourse::lies_still));
   fmt::print("{} positions: {} tracks, {} of them of bodies that lie still at last\n", study.table.rows.size(),
              study.courses.size(), still);
   for (const auto& [reason, rows] : study.table.left_out) fmt::print("left out {}: {}\n", rows, reason);
+  if (study.table.out_of_order > 0) {
+    fmt::print("{} positions are earlier than one above them in the table; they were sorted by time\n",
+               study.table.out_of_order);
+  }
+  if (study.counts.above_max_readings > 0) {
+    fmt::print("left out {}: more than {} positions of one time\n", study.counts.above_max_readings, most_readings);
+  }
+  if (study.counts.above_max_tracks > 0)
+    fmt::print("gave up {} tracks, to bound the work\n", study.counts.above_max_tracks);
   if (!study.table.names.empty()) {
     fmt::print("{} bodies are named, {} of {} positions asked for\n", study.table.names.size(), study.score.asked,
                study.table.rows.size());
-    fmt::print("tracker                held  switches  median error  rms error, m/s  still, moves  false tracks\n");
+    fmt::print(
+        "tracker                held  switches  median error  rms error, m/s  still, moves  false tracks  OSPA, m\n");
     print_score("isobath", study.score);
     print_score("nearest neighbour", study.nearest);
   }
@@ -69,12 +80,15 @@ int follow(TrackOptions& options) {
   const TrackStudy study = study_tracks(request);
   const auto files = write_tracks(study, options.out);
   if (!options.json) {
-    print_tracks(study, options.out, files);
+    print_tracks(study, request.tracker.max_readings, options.out, files);
     return kSuccess;
   }
   nlohmann::ordered_json json{{"positions", study.table.rows.size()}, {"bodies", study.table.names.size()}};
   json["left_out"] = nlohmann::ordered_json::object();
   for (const auto& [reason, rows] : study.table.left_out) json["left_out"][reason] = rows;
+  json["out_of_order"] = study.table.out_of_order;
+  json["readings_left_out"] = study.counts.above_max_readings;
+  json["tracks_left_out"] = study.counts.above_max_tracks;
   json["tracks"] = nlohmann::ordered_json::array();
   for (const TrackCourse& course : study.courses) {
     json["tracks"].push_back({{"number", course.number},

@@ -19,6 +19,11 @@ constexpr double kOften_s = 2;     // between the readings of a body, on average
 constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
 constexpr double kEven = 1.732;  // half of a line over the standard deviation of echoes that are spread evenly over it
 constexpr int kCorners = 8;      // of an outline about the ellipse
+// Of the outline by the uncertainty of the position. Bodies out of view mostly keep their velocity; outlines that grow
+// with all that they could do leave no water among many of them.
+constexpr double kMostGrowth_m = 1.5;
+// Where the position of a body is less certain, echoes there are those of an obstacle like any other.
+constexpr double kSure_m = 3;
 
 double position_sigma(const BodyTrack& track) {
   return greatest_deviation(track.filter.estimate().covariance.topLeftCorner<2, 2>());
@@ -45,6 +50,9 @@ std::vector<Field> fields(MovingBodiesConfig& c) {
                   "How far echoes may lie outside of the place of a moving body and still be its own."),
       Field::real("max_sigma_m", &c.max_sigma_m, {0.1, 100}, "m",
                   "A moving body whose position is less certain, standard deviation, is no obstacle any more."),
+      Field::integer(
+          "max_readings", &c.tracker.max_readings, {1, 100000}, "1",
+          "Readings of a look that are tracked at most, so that its time is bounded; the others are counted."),
   };
   for (Field& field : fields(c.looks)) all.push_back(std::move(field));
   return all;
@@ -75,7 +83,7 @@ void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const 
     judge(water);
   }
   boxes_.clear();
-  for_each_moving([&](const BodyTrack& track) {
+  for_each_moving(kSure_m, [&](const BodyTrack& track) {
     const Place place = place_of(track, ping.time);
     looks.find_bodies([&](const Eigen::Vector2d& p_W) { return place.contains(p_W); }, boxes_);
   });
@@ -85,7 +93,7 @@ MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) co
   const MotionFilter::Estimate e = track.filter.estimate();
   const double ahead_s = to_seconds(time - time_);
   const double sigma = greatest_deviation(e.covariance.topLeftCorner<2, 2>());
-  const double grown = config_.margin_m + kSigmas * std::min(sigma, config_.max_sigma_m);
+  const double grown = config_.margin_m + kSigmas * std::min(sigma, kSure_m);
   return {e.mean.head<2>() + ahead_s * e.mean.segment<2>(2),
           kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity(), own_W_};
 }
@@ -148,6 +156,7 @@ void MovingBodies::add_to(Counts& counts, const Body& body) {
 MovingBodies::Counts MovingBodies::counts() const {
   Counts all = ended_;
   for (const auto& [number, body] : bodies_) add_to(all, body);
+  all.left_out += tracker_.counts().above_max_readings + tracker_.counts().above_max_tracks;
   return all;
 }
 
@@ -223,12 +232,10 @@ bool MovingBodies::Place::contains(const Eigen::Vector2d& p_W, double scale) con
 }
 
 template <class Use>
-void MovingBodies::for_each_moving(Use use) const {
+void MovingBodies::for_each_moving(double max_sigma_m, Use use) const {
   for (const BodyTrack& track : tracker_.tracks()) {
     const auto body = bodies_.find(track.number);
-    if (body == bodies_.end() || !body->second.moves) continue;
-    // Where it is too uncertain, its echoes are those of an obstacle like any other.
-    if (position_sigma(track) <= config_.max_sigma_m) use(track);
+    if (body != bodies_.end() && body->second.moves && position_sigma(track) <= max_sigma_m) use(track);
   }
 }
 
@@ -256,7 +263,7 @@ int MovingBodies::withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& de
   int withheld = 0;
   for (const EchoBox& box : boxes_) withheld += withhold_box(ping, box, decisions);
   const Pose X_WS = X_WB * ping.X_BS;
-  for_each_moving([&](const BodyTrack& track) {
+  for_each_moving(kSure_m, [&](const BodyTrack& track) {
     const Place place = place_of(track, ping.time);
     const Eigen::Matrix2d inverse = place.shape.inverse();
     const Eigen::Vector2d to = place.centre_W - X_WS.translation.head<2>();
@@ -324,17 +331,17 @@ std::vector<Obstacle> MovingBodies::obstacles(Time time, const Pose& X_WB) const
   const Pose X_WL = level(X_WB), X_LW = X_WL.inverse();
   const Angle heading = X_WB.rotation.heading();
   const Eigen::Matrix2d R_LW = Eigen::Rotation2Dd(-heading.radians()).toRotationMatrix();
-  for_each_moving([&](const BodyTrack& track) {
+  for_each_moving(config_.max_sigma_m, [&](const BodyTrack& track) {
     const MotionFilter::Estimate e = track.filter.estimate();
     const Eigen::Matrix2d position = e.covariance.topLeftCorner<2, 2>();
-    const double sigma = position_sigma(track);
+    const double grown_m = std::min(position_sigma(track), kMostGrowth_m);
     const Eigen::Vector2d velocity = e.mean.segment<2>(2);
     const Eigen::Vector2d centre = level_body(X_LW, e.mean.head<2>() + to_seconds(time - time_) * velocity);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(track.extent);
     Obstacle o;
     std::vector<Eigen::Vector2d> corners;
     const auto half = [&](int i) {
-      return std::max(kThinnest, kEven * std::sqrt(std::max(axes.eigenvalues()[i], 0.0))) + sigma;
+      return std::max(kThinnest, kEven * std::sqrt(std::max(axes.eigenvalues()[i], 0.0))) + grown_m;
     };
     for (int i = 0; i < kCorners; ++i) {
       const double angle = (2 * i + 1) * std::numbers::pi / kCorners, grown = 1 / std::cos(std::numbers::pi / kCorners);
@@ -365,6 +372,7 @@ void MovingBodies::shift(const Eigen::Vector2d& by_W) {
 }
 
 void MovingBodies::restart() {
+  ended_ = counts();
   heads_.clear();
   bodies_.clear();
   wakes_.clear();

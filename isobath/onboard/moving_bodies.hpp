@@ -6,13 +6,14 @@
 // where it was read some time ago (kTrail readings at most), in the world and as seen from the vehicle, and the grid
 // knows the water ahead of it as free. On a surface that lies still, such as a hull, a glint slides along with the
 // vehicle, and reverberation goes along with it. Where the way of a track cannot be that of a glint, it need leave its
-// place by half of its size only, and the water ahead need only not be known as occupied. A track that moves does so
+// place by half of its size only; or the water ahead need only not be known as occupied, if the track is read often.
+// (A track of rare looks may join several things that lie still, one after the other.) A track that moves does so
 // until it has probably lain still for kStopped_s: a body that turns back stops for a moment.
 //
 // Maps take the world for still. So the echoes of a body that moves go to its track: `withhold` makes their bins ones
 // without information, for all maps. The maps clear the water behind it by the pings that pass through. What a map took
 // in before the body was known to move, its trail, is cleared by `clear_trails`. Obstacles of moving bodies come from
-// the tracks.
+// the tracks, also while they are out of view, until their position is less certain than `max_sigma_m`.
 //
 // While a body moves, and kTraffic_s after that, a confirmed track that probably does not lie still, but is not known
 // to move yet, may move. (Where nothing moves it is a glint or reverberation about what lies still.) Its echoes go to
@@ -40,7 +41,7 @@ struct MovingBodiesConfig {
   int min_readings = 15;
   double may_move = 0.1;
   double margin_m = 0.5;
-  double max_sigma_m = 3;
+  double max_sigma_m = 8;
   BodyLooksConfig looks;
   BodyTrackerConfig tracker = {.clutter = 1e-4, .unseen = 1e-5, .survival_s = 60};
   MotionFilterConfig motion;
@@ -91,6 +92,7 @@ class MovingBodies {
     std::uint64_t confirmed = 0;  ///< tracks
     std::uint64_t slow = 0;       ///< of these, with a speed below kSlow at their last reading
     std::uint64_t moving = 0;     ///< that were found to move
+    std::uint64_t left_out = 0;   ///< readings and tracks above the most of a look and of the tracker
   };
   [[nodiscard]] Counts counts() const;
 
@@ -132,7 +134,7 @@ class MovingBodies {
   [[nodiscard]] bool lies_still(const BodyTrack& track) const;
   [[nodiscard]] Place place_of(const BodyTrack& track, Time time) const;
   template <class Use>
-  void for_each_moving(Use use) const;
+  void for_each_moving(double max_sigma_m, Use use) const;
 
   MovingBodiesConfig config_;
   std::vector<Head> heads_;  ///< one a sonar

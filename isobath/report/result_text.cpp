@@ -174,6 +174,7 @@ ordered_json counts_json(const RunOutcome& outcome) {
           {"tracked_bodies", n.bodies.confirmed},
           {"slow_bodies", n.bodies.slow},
           {"moving_bodies", n.bodies.moving},
+          {"tracks_left_out", n.bodies.left_out},
           {"echoes_of_moving_bodies", n.of_moving},
           {"pings_without_altitude", n.no_bottom},
           {"pings_dead_reckoned", n.dead_reckoned},

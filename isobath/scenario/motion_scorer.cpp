@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <isobath/base/error.hpp>
 #include <isobath/scenario/motion_scorer.hpp>
-#include <limits>
+#include <isobath/scenario/set_distance.hpp>
 
 namespace isobath {
 namespace {
@@ -15,60 +14,6 @@ double share_of(std::vector<double> values, double share) {
 }
 
 }  // namespace
-
-std::vector<std::size_t> least_assignment(const Eigen::MatrixXd& cost) {
-  const auto rows = static_cast<std::size_t>(cost.rows()), columns = static_cast<std::size_t>(cost.cols());
-  ISOBATH_ASSERT(rows <= columns);
-  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  const auto at = [&](std::size_t row, std::size_t column) {
-    return cost(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
-  };
-  // Potentials of rows and columns; the last column is where each row begins.
-  std::vector<double> row_price(rows, 0), column_price(columns + 1, 0);
-  std::vector<std::size_t> row_of(columns + 1, kNone);
-  for (std::size_t row = 0; row < rows; ++row) {
-    std::vector<double> least(columns, std::numeric_limits<double>::infinity());
-    std::vector<std::size_t> from(columns, columns);
-    std::vector<bool> used(columns + 1, false);
-    std::size_t column = columns;
-    row_of[column] = row;
-    while (row_of[column] != kNone) {
-      used[column] = true;
-      std::size_t next = columns;
-      double step = std::numeric_limits<double>::infinity();
-      for (std::size_t j = 0; j < columns; ++j) {
-        if (used[j]) continue;
-        const double reduced = at(row_of[column], j) - row_price[row_of[column]] - column_price[j];
-        if (reduced < least[j]) {
-          least[j] = reduced;
-          from[j] = column;
-        }
-        if (least[j] < step) {
-          step = least[j];
-          next = j;
-        }
-      }
-      for (std::size_t j = 0; j <= columns; ++j) {
-        if (used[j]) {
-          row_price[row_of[j]] += step;
-          column_price[j] -= step;
-        } else if (j < columns) {
-          least[j] -= step;
-        }
-      }
-      column = next;
-    }
-    while (column != columns) {
-      row_of[column] = row_of[from[column]];
-      column = from[column];
-    }
-  }
-  std::vector<std::size_t> column_of(rows, 0);
-  for (std::size_t j = 0; j < columns; ++j) {
-    if (row_of[j] != kNone) column_of[row_of[j]] = j;
-  }
-  return column_of;
-}
 
 void MotionScorer::add(double time_s, std::span<const TrueBody> bodies, std::span<const Track> tracks) {
   std::vector<TrueBody> heard, hidden;
@@ -85,39 +30,25 @@ void MotionScorer::add(double time_s, std::span<const TrueBody> bodies, std::spa
       asked.push_back(track);
     }
   }
-  const bool by_body = heard.size() <= asked.size();
-  const std::size_t few = std::min(heard.size(), asked.size()), many = std::max(heard.size(), asked.size());
-  if (many == 0) return;
-  const auto pair_of = [&](std::size_t row, std::size_t column) {
-    return std::pair(by_body ? row : column, by_body ? column : row);
-  };
-  Eigen::MatrixXd cost(static_cast<Eigen::Index>(few), static_cast<Eigen::Index>(many));
-  for (std::size_t i = 0; i < few; ++i) {
-    for (std::size_t j = 0; j < many; ++j) {
-      const auto [body, track] = pair_of(i, j);
-      cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          std::min(kCutOff_m, (heard[body].p - asked[track].p).norm());
-    }
-  }
-  const std::vector<std::size_t> assigned = least_assignment(cost);
-  double sum = kCutOff_m * static_cast<double>(many - few);
-  std::size_t held = 0;
-  for (std::size_t i = 0; i < few; ++i) {
-    const auto [body, track] = pair_of(i, assigned[i]);
-    const double apart = (heard[body].p - asked[track].p).norm();
-    sum += std::min(kCutOff_m, apart);
-    if (apart >= kCutOff_m) continue;
-    ++held;
+  if (heard.empty() && asked.empty()) return;
+  std::vector<Eigen::Vector2d> of_bodies, of_tracks;
+  for (const TrueBody& body : heard) of_bodies.push_back(body.p);
+  for (const Track& track : asked) of_tracks.push_back(track.p);
+  const SetDistance distance = set_distance(of_bodies, of_tracks, kCutOff_m);
+  for (const auto& [i, j] : distance.pairs) {
+    const TrueBody& body = heard[i];
+    const Track& track = asked[j];
     ++pairs_;
-    position_squares_ += apart * apart;
-    velocity_squares_ += (heard[body].velocity - asked[track].velocity).squaredNorm();
-    Watch& watch = watched_.at(heard[body].number);
+    position_squares_ += (body.p - track.p).squaredNorm();
+    velocity_squares_ += (body.velocity - track.velocity).squaredNorm();
+    Watch& watch = watched_.at(body.number);
     if (!watch.known_s) watch.known_s = time_s;
-    switches_ += watch.track != 0 && watch.track != asked[track].number;
-    watch.track = asked[track].number;
+    switches_ += watch.track != 0 && watch.track != track.number;
+    watch.track = track.number;
   }
+  const std::size_t held = distance.pairs.size();
   ++scans_;
-  ospa_ += sum / static_cast<double>(many);
+  ospa_ += distance.ospa_m;
   held_ += heard.empty() ? 1 : static_cast<double>(held) / static_cast<double>(heard.size());
   false_ += static_cast<std::int64_t>(asked.size() - held);
 }

@@ -2,10 +2,8 @@
 //
 // Each scan compares the tracks that are known to move with the bodies that truly move (at kLeastSpeed at least) and
 // whose echoes were heard since the scan before. Both are points in plan, placed from the vehicle: the error of its
-// own position does not count. The distance of the two sets is that of Schuhmacher, Vo and Vo 2008 (IEEE Trans. Signal
-// Processing 56, 3447-3457), OSPA, of order 1: the best assignment of tracks to bodies, each pair by its distance up to
-// kCutOff_m, each body without a track and each track without a body with kCutOff_m, over the larger number of both.
-// A track within kCutOff_m of a moving body that was not heard, because something hides it, counts neither way.
+// own position does not count. The distance of the two sets is OSPA with the cut-off kCutOff_m (set_distance.hpp). A
+// track within kCutOff_m of a moving body that was not heard, because something hides it, counts neither way.
 //
 // A body is known from the first scan on in which a track is assigned to it, nearer than kCutOff_m. Where another track
 // is assigned to it later, that is a switch.
@@ -32,10 +30,6 @@ struct MotionScore {
   double position_rms_m = 0;                       ///< of all pairs
   double known_after_s = 0, known_after_95_s = 0;  ///< from the first echo: median and 95 % quantile
 };
-
-/// Pairs of rows and columns of least total cost; each row has one if there are at least as many columns. By the
-/// Hungarian method, O(rows^2 columns). Needs rows <= columns.
-std::vector<std::size_t> least_assignment(const Eigen::MatrixXd& cost);
 
 class MotionScorer {
  public:

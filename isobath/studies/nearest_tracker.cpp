@@ -5,6 +5,7 @@
 namespace isobath {
 
 void NearestTracker::advance(Time time) {
+  if (time_ == time) return;
   const double t = time_ ? to_seconds(time - *time_) : 0;
   time_ = time;
   Eigen::Matrix4d f = Eigen::Matrix4d::Identity();

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/scenario/set_distance.hpp>
 #include <isobath/sonar/fan_watch.hpp>
 #include <isobath/studies/nearest_tracker.hpp>
 #include <isobath/studies/track_study.hpp>
@@ -9,7 +10,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kAskedEvery = 60;    // s, for false tracks
 constexpr double kStillSpeed = 0.05;  // m/s: a body that its row calls still
 constexpr double kMovingSpeed = 0.1;  // m/s: a track that calls it moving
 
@@ -23,8 +23,10 @@ struct SeenTrack {
 struct SeenBody {
   int rows = 0;
   Time last;
-  Vector2d p_W = Vector2d::Zero();
+  Vector2d p_W = Vector2d::Zero(), velocity_W = Vector2d::Zero();
   std::uint32_t number = 0;  ///< of the track that held it
+
+  [[nodiscard]] Vector2d at(Time now) const { return p_W + to_seconds(now - last) * velocity_W; }
 };
 
 const SeenTrack* nearest_to(const std::vector<SeenTrack>& tracks, const Vector2d& p, double within) {
@@ -63,6 +65,7 @@ class TrackScorer {
     ++body.rows;
     body.last = row.time;
     body.p_W = row.p_W;
+    body.velocity_W = row.velocity_W.value_or(Vector2d::Zero());
     if (row.velocity_W && body.rows > TrackScore::kKnown) {
       if (const SeenTrack* track = nearest_to(tracks, row.p_W, request_.within_m)) {
         errors_.push_back((track->velocity_W - *row.velocity_W).norm());
@@ -71,10 +74,21 @@ class TrackScorer {
         score_.still_moving += still && track->velocity_W.norm() > kMovingSpeed;
       }
     }
-    if (next_ && row.time < *next_) return;
-    next_ = row.time + seconds(kAskedEvery);
+  }
+  /// Once an interval.
+  void compare(Time now, const std::vector<SeenTrack>& tracks) {
+    if (next_ && now < *next_) return;
+    next_ = now + seconds(request_.interval_s);
     ++looks_;
-    for (const SeenTrack& track : tracks) false_ += is_false(track, row.time);
+    std::vector<Vector2d> heard, tracked;
+    for (const SeenBody& body : bodies_) {
+      if (is_heard(body, now) && body.rows > TrackScore::kKnown) heard.push_back(body.at(now));
+    }
+    for (const SeenTrack& track : tracks) {
+      false_ += is_false(track, now);
+      tracked.push_back(track.p_W);
+    }
+    ospa_m_ += set_distance(heard, tracked, request_.within_m).ospa_m;
   }
   [[nodiscard]] TrackScore score() {
     score_.velocities = errors_.size();
@@ -84,15 +98,21 @@ class TrackScorer {
       score_.velocity_rms = std::sqrt(squares / static_cast<double>(errors_.size()));
       score_.velocity_median = median_of(errors_);
     }
-    if (looks_ > 0) score_.false_tracks = static_cast<double>(false_) / static_cast<double>(looks_);
+    if (looks_ > 0) {
+      score_.false_tracks = static_cast<double>(false_) / static_cast<double>(looks_);
+      score_.ospa_m = ospa_m_ / static_cast<double>(looks_);
+    }
     return score_;
   }
 
  private:
+  [[nodiscard]] bool is_heard(const SeenBody& body, Time now) const {
+    return body.rows > 0 && to_seconds(now - body.last) <= TrackRequest::kStale * request_.interval_s;
+  }
   [[nodiscard]] bool is_false(const SeenTrack& track, Time now) const {
     return std::ranges::none_of(bodies_, [&](const SeenBody& body) {
-      if (body.rows == 0 || to_seconds(now - body.last) > TrackRequest::kStale * request_.interval_s) return false;
-      return (body.p_W - track.p_W).norm() <= request_.within_m + track.velocity_W.norm() * to_seconds(now - body.last);
+      return is_heard(body, now) &&
+             (body.p_W - track.p_W).norm() <= request_.within_m + track.velocity_W.norm() * to_seconds(now - body.last);
     });
   }
 
@@ -101,6 +121,7 @@ class TrackScorer {
   std::optional<Time> next_;
   std::vector<double> errors_;
   std::uint64_t looks_ = 0, false_ = 0;
+  double ospa_m_ = 0;
   TrackScore score_;
 };
 
@@ -148,6 +169,13 @@ void note_courses(const BodyTracker& tracker, Time time, std::map<std::uint32_t,
   }
 }
 
+/// The rows of one time, from `first` on.
+std::span<const PositionTable::Row> look_at(const PositionTable& table, std::size_t first) {
+  std::size_t end = first + 1;
+  while (end < table.rows.size() && table.rows[end].time == table.rows[first].time) ++end;
+  return std::span(table.rows).subspan(first, end - first);
+}
+
 TrackScore score_nearest(const TrackRequest& request, const PositionTable& table) {
   NearestTracker tracker({.acceleration = request.motion.straight_acceleration,
                           .max_speed = request.motion.max_speed,
@@ -159,6 +187,7 @@ TrackScore score_nearest(const TrackRequest& request, const PositionTable& table
     scorer.ask(row, seen_tracks(tracker));
     tracker.take(reading_of(row, request.sigma_m));
     scorer.judge(row, seen_tracks(tracker));
+    scorer.compare(row.time, seen_tracks(tracker));
   }
   return scorer.score();
 }
@@ -184,16 +213,26 @@ TrackStudy study_tracks(const TrackRequest& request) {
   std::map<std::uint32_t, TrackCourse> courses;
   Anywhere anywhere;
   std::optional<Time> before;
-  for (const PositionTable::Row& row : study.table.rows) {
-    const double since = before ? to_seconds(row.time - *before) : 0;
-    before = row.time;
+  std::vector<BodyReading> readings;
+  for (std::size_t first = 0; first < study.table.rows.size(); first += readings.size()) {
+    const std::span<const PositionTable::Row> look = look_at(study.table, first);
+    const Time time = look.front().time;
+    const double since = before ? to_seconds(time - *before) : 0;
+    before = time;
     anywhere.probability = 1 - std::exp(-since / request.interval_s);
-    scorer.ask(row, seen_tracks(tracker, since));
-    const BodyReading reading = reading_of(row, request.sigma_m);
-    tracker.update(row.time, {&reading, 1}, anywhere);
-    scorer.judge(row, seen_tracks(tracker, 0));
-    note_courses(tracker, row.time, courses);
+    const std::vector<SeenTrack> predicted = seen_tracks(tracker, since);
+    readings.clear();
+    for (const PositionTable::Row& row : look) {
+      scorer.ask(row, predicted);
+      readings.push_back(reading_of(row, request.sigma_m));
+    }
+    tracker.update(time, readings, anywhere);
+    const std::vector<SeenTrack> seen = seen_tracks(tracker, 0);
+    for (const PositionTable::Row& row : look) scorer.judge(row, seen);
+    scorer.compare(time, seen);
+    note_courses(tracker, time, courses);
   }
+  study.counts = tracker.counts();
   for (auto& [number, course] : courses) study.courses.push_back(std::move(course));
   study.score = scorer.score();
   study.nearest = score_nearest(request, study.table);

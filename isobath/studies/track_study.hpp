@@ -1,14 +1,15 @@
 // TrackStudy: tracks of bodies from a table of positions, without their names; and where the table has names, how well
 // they were held (Rodin, Amin c. 1988, 2.1; ledger S3-15). `isobath track` prints it.
 //
-// Each row is a look by itself. A body gives a reading after `interval_s` on average, so a look at `t` seconds after
-// the last one shows a given body with probability 1 - exp(-t / interval_s).
+// The rows of one time are a look: positions of different bodies. A body gives a reading after `interval_s` on average,
+// so a look at `t` seconds after the last one shows a given body with probability 1 - exp(-t / interval_s).
 //
 // Score. Before a reading is taken in, the confirmed track that is predicted nearest to it is looked up: within
 // `within_m` the body was held. Its number must be the one that held the body the last time, else the body's track was
-// switched. The velocity of the track, after the reading, is compared with course and speed of the row. A confirmed
-// track that is farther than `within_m` from all bodies heard in the last `kStale` intervals is false; this is asked
-// every minute.
+// switched. The velocity of the track, after the reading, is compared with course and speed of the row. Once an
+// interval the confirmed tracks are compared with the bodies heard in the last `kStale` intervals, which keep the
+// velocity of their row: a track farther than `within_m` from all of them is false, and the distance of the two sets is
+// OSPA with `within_m` as its cut-off (set_distance.hpp).
 //
 // Beside it a nearest-neighbour tracker takes the same readings: a Kalman filter of constant velocity for each body, a
 // reading goes to the nearest track within the gate or begins a new one, three readings confirm, and a track without a
@@ -39,6 +40,7 @@ struct TrackScore {
   double velocity_rms = 0, velocity_median = 0;  ///< m/s
   std::uint64_t still = 0, still_moving = 0;     ///< velocities of bodies below 0.05 m/s, and those above 0.1 m/s
   double false_tracks = 0;                       ///< mean, of confirmed tracks
+  double ospa_m = 0;                             ///< mean
 
   static constexpr int kKnown = 5;
 };
@@ -58,6 +60,7 @@ struct TrackStudy {
   PositionTable table;
   std::vector<TrackCourse> courses;
   TrackScore score, nearest;  ///< without names: zero
+  BodyTracker::Counts counts;
 };
 
 /// Throws Error.

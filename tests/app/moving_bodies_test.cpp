@@ -1,9 +1,11 @@
 // Bodies that move past a vehicle, as a user meets them: `isobath run` of a scene with traffic.
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <fstream>
 #include <isobath/io/mcap/mcap_index.hpp>
 #include <map>
+#include <numbers>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 
@@ -120,6 +122,58 @@ TEST(MovingBodies, ArePassedByAPlanInTime) {
   }
   EXPECT_GT(north, 37) << "it has passed";
   EXPECT_GT(least, 0.5 + 0.8 + 1) << "both radii and a metre";
+}
+
+/// A vehicle that can stop, in a ring of twelve bodies of 1.5 m that close in from 22 m to 7 m and stay there. Three
+/// fans look all round. The first `open` bodies are left out, from astern to port.
+void write_ring(const std::filesystem::path& file, int open, int duration_s) {
+  std::ofstream scene(file);
+  scene << fmt::format("[scene]\nduration_s = {}\n", duration_s)
+        << "[bottom]\nkind = 'flat'\nmaterial = 'mud'\ndepth = 30\nextent_m = 200\n"
+           "[vehicle]\nfile = '"
+        << (test::source_folder() / "vehicles/hovering_rov.toml").string()
+        << "'\ndynamic = true\nstart = [0, 0, 15]\nspeed = 0.5\n"
+           "[navigation]\nkind = 'drift'\n"
+           "[mission]\nspeed = 0.5\n"
+           "[[mission_point]]\nnorth = 60\neast = 0\ndepth_m = 15\n";
+  for (const int heading : {0, 120, -120}) {
+    scene << fmt::format(
+        "[[sonar]]\npreset = 'oculus_m750d'\nname = 'fan {0}'\nheading_deg = {0}\n"
+        "range_m = 40\nbins = 100\ninterval_s = 0.4\n",
+        heading);
+  }
+  constexpr double kFrom = 22, kTo = 7, kSpeed = 0.4;
+  for (int k = open; k < 12; ++k) {
+    const double a = 2 * std::numbers::pi * (k + 0.5) / 12 + std::numbers::pi, n = std::cos(a), e = std::sin(a);
+    scene << fmt::format(
+        "[[cylinder]]\ncentre = [{0:.3f}, {1:.3f}, 15]\nradius = 1.5\nlength = 30\n"
+        "path = [[0, {0:.3f}, {1:.3f}, 15], [{2}, {3:.3f}, {4:.3f}, 15], [999, {3:.3f}, {4:.3f}, 15]]\n",
+        kFrom * n, kFrom * e, (kFrom - kTo) / kSpeed, kTo * n, kTo * e);
+  }
+}
+
+// Bodies close in from all sides and stay there: the vehicle leaves by the gap, where there is one, though the mission
+// leads the other way; without one it stops among them and reports. ledger: S3-37
+TEST(MovingBodies, ThatCloseInAreLeftByTheGapOrTheVehicleStopsAndReports) {
+  const auto folder = test::scratch_folder();
+  for (const bool shut : {false, true}) {
+    write_ring(folder / "ring.toml", shut ? 0 : 3, shut ? 70 : 100);
+    const auto result = test::isobath({"run", (folder / "ring.toml").string(), "--out", (folder / "out").string(),
+                                       "--set", "voxels.sonars=none", "--set", "sphere.keep=false"});
+    const auto mission = test::json_of(folder / "out/mission.json");
+    EXPECT_FALSE(mission["truth"]["contact"]) << result.out;
+    EXPECT_GT(mission["truth"]["least_clearance_m"], 1.5);
+    const auto last = test::json_of(folder / "out/scans.json")["scans"].back();
+    const double from_middle_m = std::hypot(last["north_m"].get<double>(), last["east_m"].get<double>());
+    if (shut) {
+      EXPECT_LT(from_middle_m, 6);
+      EXPECT_EQ(mission["phase"], "holding");
+      EXPECT_THAT(mission["why"].get<std::string>(), HasSubstr("there is no path"));
+    } else {
+      EXPECT_GT(from_middle_m, 9);
+      EXPECT_EQ(mission["phase"], "under way");
+    }
+  }
 }
 
 }  // namespace

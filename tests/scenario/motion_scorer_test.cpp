@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/scenario/motion_scorer.hpp>
+#include <isobath/scenario/set_distance.hpp>
 #include <numeric>
 
 namespace isobath::motion_scorer_test {

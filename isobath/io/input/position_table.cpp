@@ -61,6 +61,8 @@ class PositionReader {
     if (out_.rows.size() >= PositionTable::kMostRows) {
       throw Error(fmt::format("more than {} positions", PositionTable::kMostRows), {}, "a shorter table");
     }
+    out_.out_of_order += *time < latest_;
+    latest_ = std::max(latest_, *time);
     out_.rows.push_back({*time, *point, body_of_row(), velocity_of_row()});
   }
 
@@ -114,6 +116,7 @@ class PositionReader {
   bool geographic_ = false;
   std::optional<LocalPlane> plane_;
   std::map<std::string, std::size_t> index_;
+  Time latest_ = Time::min();
   PositionTable out_;
 };
 

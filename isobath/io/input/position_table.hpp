@@ -37,6 +37,7 @@ struct PositionTable {
   std::vector<std::string> names;  ///< of the bodies
   std::optional<GeoOrigin> origin;
   std::map<std::string, std::uint64_t> left_out;  ///< reason: rows
+  std::uint64_t out_of_order = 0;                 ///< rows that are earlier than a row above them
 };
 
 /// Throws Error if the file cannot be read, or lacks the columns of time and position, or has no usable row.
