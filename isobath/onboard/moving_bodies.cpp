@@ -84,6 +84,7 @@ void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const 
   }
   boxes_.clear();
   for_each_moving(kSure_m, [&](const BodyTrack& track) {
+    if (!is_heard(track, ping)) return;
     const Place place = place_of(track, ping.time);
     looks.find_bodies([&](const Eigen::Vector2d& p_W) { return place.contains(p_W); }, boxes_);
   });
@@ -163,6 +164,7 @@ MovingBodies::Counts MovingBodies::counts() const {
 /// Which tracks move now.
 void MovingBodies::judge(const std::optional<Water>& water) {
   const auto tracks = tracker_.tracks();
+  for (const BodyTrack& track : tracks) take_over(track);
   const auto number = [](const BodyTrack& track) { return track.number; };
   for (auto body = bodies_.begin(); body != bodies_.end();) {
     if (std::ranges::binary_search(tracks, body->first, {}, number)) {
@@ -200,6 +202,18 @@ void MovingBodies::judge(const std::optional<Water>& water) {
   }
 }
 
+/// Two tracks were one body: what is known of the younger one holds for the other.
+void MovingBodies::take_over(const BodyTrack& track) {
+  const auto younger = track.confirmed ? bodies_.find(track.merged) : bodies_.end();
+  if (younger == bodies_.end() || !younger->second.moves) return;
+  Body& body = bodies_[track.number];
+  body.moves = true;
+  body.moved = std::max(body.moved, younger->second.moved);
+  body.trail.insert(body.trail.begin(), younger->second.trail.begin(), younger->second.trail.end());
+  younger->second.trail.clear();
+  younger->second.moves = false;
+}
+
 bool MovingBodies::may_move(const BodyTrack& track) const {
   return moved_ && to_seconds(time_ - *moved_) < kTraffic_s && track.readings >= kDoubtReadings &&
          track.filter.probability(MotionFilter::kStill) < config_.may_move;
@@ -229,6 +243,11 @@ void MovingBodies::Place::move(const Eigen::Vector2d& by_W) {
 bool MovingBodies::Place::contains(const Eigen::Vector2d& p_W, double scale) const {
   const Eigen::Vector2d off = p_W - centre_W;
   return off.dot(shape.inverse() * off) <= scale * scale;
+}
+
+/// A fan that shows nothing of a body hears another one in its place. A scanning head knows only when its sector ends.
+bool MovingBodies::is_heard(const BodyTrack& track, const Ping& ping) const {
+  return ping.fan->beams() == 1 || track.last == ping.time;
 }
 
 template <class Use>
@@ -264,6 +283,7 @@ int MovingBodies::withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& de
   for (const EchoBox& box : boxes_) withheld += withhold_box(ping, box, decisions);
   const Pose X_WS = X_WB * ping.X_BS;
   for_each_moving(kSure_m, [&](const BodyTrack& track) {
+    if (!is_heard(track, ping)) return;
     const Place place = place_of(track, ping.time);
     const Eigen::Matrix2d inverse = place.shape.inverse();
     const Eigen::Vector2d to = place.centre_W - X_WS.translation.head<2>();

@@ -125,6 +125,8 @@ class MovingBodies {
   static void add_to(Counts& counts, const Body& body);
   BodyLooks& looks_of(const Ping& ping);
   void judge(const std::optional<Water>& water);
+  void take_over(const BodyTrack& track);
+  [[nodiscard]] bool is_heard(const BodyTrack& track, const Ping& ping) const;
   void leave_trail(Body& body, const BodyTrack& track);
   void leave_all(Body& body);
   [[nodiscard]] bool may_move(const BodyTrack& track) const;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Geometry>
 #include <isobath/geometry/polygon_parts.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
@@ -45,7 +46,7 @@ Vector2d middle_of(const std::vector<Polygon>& parts) {
 /// A piece of an obstacle, in W.
 struct ObstaclePiece {
   Polygon outline;
-  double tolerance, gap;  ///< to the nearest body
+  double tolerance, gap;  ///< to the nearest body; infinite: none is near
 };
 
 /// The pieces of a scan, and the bodies that they belong to.
@@ -55,15 +56,27 @@ struct BodyMatches {
   std::vector<const Obstacle*> reported;  ///< nearest obstacle of each body; null: none
 };
 
+Eigen::AlignedBox2d box_of(const std::vector<Polygon>& parts) {
+  Eigen::AlignedBox2d box;
+  for (const Polygon& part : parts) {
+    for (const Vector2d& p : part) box.extend(p);
+  }
+  return box;
+}
+
 /// `beam`: width of a beam, rad; `bin_m`: length of a bin.
 BodyMatches match_to_bodies(const Detection& found, const std::vector<std::vector<Polygon>>& plans, const Pose& X_WL,
                             double beam, double bin_m) {
   BodyMatches matches;
   matches.reported.resize(plans.size(), nullptr);
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const std::vector<Polygon>& plan : plans) boxes.push_back(box_of(plan));
   for (const Obstacle& o : found.obstacles) {
     ObstaclePiece piece{in_frame(o.outline, X_WL), 0.5 * beam * o.range_m + bin_m + found.cells.cell_m,
                         std::numeric_limits<double>::infinity()};
+    const Eigen::AlignedBox2d box = box_of({piece.outline});
     for (std::size_t i = 0; i < plans.size(); ++i) {
+      if (boxes[i].exteriorDistance(box) > std::max(piece.tolerance, kAttached_m)) continue;
       const double gap = gap_between(plans[i], piece.outline);
       piece.gap = std::min(piece.gap, gap);
       const Obstacle*& nearest = matches.reported[i];

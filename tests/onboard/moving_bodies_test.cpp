@@ -204,6 +204,28 @@ TEST(MovingBodies, NeedNoFreeWaterWhereTheirWayIsNotThatOfAGlint) {
   }
 }
 
+// A body passes behind another one, for 8 s without an echo: it is known all the time, and keeps its track.
+// ledger: S3-04 S3-15
+TEST(MovingBodies, KeepTheirTracksBehindABodyThatHidesThem) {
+  const Water::Disc before{{15, 0}, 2};
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Water water(seed);
+    Vector2d p(30, -14);
+    std::optional<std::uint32_t> number;
+    for (int k = 0; k < 28 * static_cast<int>(kLookRate); ++k, p.y() += 1 / kLookRate) {
+      std::vector<Water::Disc> seen{before};
+      if (std::abs(p.y() / p.x()) > 4.0 / 30) seen.push_back({p});
+      water.ping(seen);
+      if (p.y() < -5) continue;
+      const std::vector<Obstacle> moving = water.moving();
+      ASSERT_EQ(moving.size(), 1u) << seed << ", " << p.y();
+      if (!number) number = moving[0].motion.track;
+      EXPECT_EQ(moving[0].motion.track, *number) << seed << ", " << p.y();
+      EXPECT_LT((moving[0].centre - p).norm(), 2) << seed << ", " << p.y();
+    }
+  }
+}
+
 TEST(MovingBodies, AreNotLookedForWhereTheyAreSwitchedOff) {
   Water water(3, false);
   Vector2d p(30, -15);

@@ -66,7 +66,7 @@ TEST(BodyLooks, OfAFanHaveAReadingForEachBodyWhereItIsInTheWorld) {
     EXPECT_EQ(r.age_s, 0);
     EXPECT_NEAR(std::sqrt(r.scatter(0, 0)), 0.5, 0.15) << "a disc of 1 m";
   }
-  EXPECT_GT(look->detection({100, 80}), 0.5);
+  EXPECT_GT(look->detection({100, 75}), 0.5);
   EXPECT_EQ(look->detection({100, 30}), 0) << "astern";
   EXPECT_EQ(look->detection({100, 50 + kLookBin * kLookBins + 1}), 0) << "beyond the range";
 }
@@ -107,6 +107,23 @@ TEST(BodyLooks, TakeAWallForAStructureThatHidesWhatLiesBehind) {
   ASSERT_EQ(look->readings().size(), 1u);
   EXPECT_LT((look->readings()[0].p_W - Vector2d(14, 16)).norm(), 0.2);
   EXPECT_LT(look->detection({40, 0}), 0.5 * look->detection({20, 0}));
+}
+
+// Behind a body nothing is heard, and what is close to it merges with it. ledger: S3-04
+TEST(BodyLooks, ABodyHidesWhatLiesBehindIt) {
+  BodyLooks looks({});
+  const Ping ping = ping_of(level_fan(), 0);
+  EchoDecisions decisions = no_echoes(ping);
+  add_disc(ping, decisions, {20, 0}, 2);
+  const BodyLook* look = looks.add(ping, decisions, Pose{});
+  ASSERT_NE(look, nullptr);
+  ASSERT_EQ(look->readings().size(), 1u);
+  const double open = look->detection({10, 0});
+  EXPECT_LT(look->detection({30, 0}), 0.1 * open) << "behind it";
+  EXPECT_LT(look->detection({30, 2.5}), 0.1 * open) << "behind its side";
+  EXPECT_LT(look->detection({21, 1}), 0.5 * open) << "in its echoes";
+  EXPECT_EQ(look->detection({30, 5}), open) << "beside its shadow";
+  EXPECT_EQ(look->detection({10, 0}), look->detection({10, 6})) << "before it";
 }
 
 TEST(BodyLooks, FindAllEchoesOfABodyOfWhichAPartIsTouched) {

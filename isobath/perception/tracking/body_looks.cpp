@@ -28,7 +28,9 @@ std::vector<Field> fields(BodyLooksConfig& c) {
       Field::real("centre_share", &c.centre_share, {0, 1}, "1",
                   "Variance of the centre of a body's echoes, as a share of the variance of the echoes about it."),
       Field::real("detection", &c.detection, {0.01, 0.999}, "1", "Probability that a look shows a body in view."),
-      Field::real("hidden", &c.hidden, {0, 1}, "1", "Share of that behind a structure."),
+      Field::real("hidden", &c.hidden, {0, 1}, "1",
+                  "Share of that in and behind a structure, and in the echoes of another body."),
+      Field::real("behind", &c.behind, {0, 1}, "1", "Share of that behind another body."),
   };
 }
 
@@ -38,10 +40,12 @@ double BodyLook::detection(const Eigen::Vector2d& p_W) const {
   if (range < near_m_ || range > far_m_) return 0;
   const double off = (Angle::radians(std::atan2(to.y(), to.x())) - middle_).wrapped().radians();
   if (std::abs(off) > half_rad_) return 0;
-  for (const Structure& s : structures_) {
-    if (off >= s.low && off <= s.high && range >= s.near_m) return hidden_ * seen_;
+  double share = 1;
+  for (const Shadow& s : shadows_) {
+    if (off >= s.low && off <= s.high && range >= s.near_m)
+      share = std::min(share, range > s.far_m ? s.behind : s.beside);
   }
-  return seen_;
+  return share * seen_;
 }
 
 const BodyLook* BodyLooks::add(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
@@ -194,9 +198,8 @@ void BodyLooks::end(bool whole) {
   look_.middle_ = first_azimuth_ + Angle::radians(turned_rad_ / 2);
   look_.half_rad_ = std::abs(turned_rad_) / 2 + half_width_rad_;
   look_.seen_ = config_.detection;
-  look_.hidden_ = config_.hidden;
   look_.readings_.clear();
-  look_.structures_.clear();
+  look_.shadows_.clear();
   for (std::size_t i = 0; i < clusters_.size(); ++i) {
     if (clusters_[i].joined == i) read(clusters_[i]);
   }
@@ -224,12 +227,12 @@ void BodyLooks::read(const Cluster& c) {
   const Eigen::Vector2d centre = c.sum / c.echoes;
   const Eigen::Matrix2d scatter = c.squares / c.echoes - centre * centre.transpose();
   const double range = centre.norm();
-  if (size_of(c) > config_.max_size_m || c.first_beam == 0 || c.last_beam == beams_ - 1) {
-    const double from_middle = turned_rad_ / 2;
-    look_.structures_.push_back({c.low_rad - from_middle, c.high_rad - from_middle, c.near_m});
-    return;
-  }
-  if (c.echoes < config_.min_echoes) return;
+  const bool is_structure = size_of(c) > config_.max_size_m || c.first_beam == 0 || c.last_beam == beams_ - 1;
+  if (!is_structure && c.echoes < config_.min_echoes) return;
+  const double from_middle = turned_rad_ / 2, grown = is_structure ? 0 : c.width_rad / 2;
+  look_.shadows_.push_back({c.low_rad - from_middle - grown, c.high_rad - from_middle + grown, c.near_m, c.far_m,
+                            config_.hidden, is_structure ? config_.hidden : config_.behind});
+  if (is_structure) return;
   const double beams = std::clamp<double>(c.last_beam - c.first_beam + 1, 1, kBeamsOfCentre);
   const double across = range * c.width_rad / kFwhm, turned = range * config_.heading_sigma.radians();
   const double own = config_.position_sigma_m * config_.position_sigma_m;

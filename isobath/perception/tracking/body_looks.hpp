@@ -4,7 +4,8 @@
 // Echoes of neighbouring beams and ranges form clusters. A cluster of at least `min_echoes` echoes and at most
 // `max_size_m` is a reading of a body: its centre, and how its echoes scatter about it. What is larger, or reaches
 // beyond the first or last beam of the sector, is a structure, whose visible part changes with the place of the
-// vehicle: it gives no reading, and hides what lies behind it.
+// vehicle: it gives no reading, and hides what lies behind it. A body hides what lies behind it, too, and one that
+// passes close to it merges with it into one cluster: a track there is not missed for want of a reading.
 //
 // The ping of a fan is one look. A scanning head gives a look for each sector of `sector_deg`; a sector ends where no
 // cluster is open, so that a body is not cut in two, or after a quarter turn. A reading has the mean time of its own
@@ -41,6 +42,7 @@ struct BodyLooksConfig {
   double centre_share = 0.25;
   double detection = 0.7;
   double hidden = 0.25;
+  double behind = 0.05;
 };
 
 std::vector<Field> fields(BodyLooksConfig& config);
@@ -54,17 +56,19 @@ class BodyLook final : public BodyTracker::Coverage {
 
  private:
   friend class BodyLooks;
-  /// Bearings from the middle of the sector, rad, and the nearest range.
-  struct Structure {
-    double low, high, near_m;
+  /// What echoes from `near_m` on between two bearings from the middle of the sector, rad, and beyond `far_m` hides
+  /// all.
+  struct Shadow {
+    double low, high, near_m, far_m;
+    double beside, behind;  ///< shares of the probability of detection, up to far_m and beyond
   };
   Time time_;
   std::vector<BodyReading> readings_;
-  std::vector<Structure> structures_;
+  std::vector<Shadow> shadows_;
   Eigen::Vector2d from_W_ = Eigen::Vector2d::Zero();
   Angle middle_;
   double half_rad_ = 0, near_m_ = 0, far_m_ = 0;
-  double seen_ = 0, hidden_ = 0;  ///< probability of detection, and its share behind a structure
+  double seen_ = 0;  ///< probability of detection in open water
 };
 
 /// Echoes of one beam that are of one body: azimuth in the sensor frame S, slant ranges.

@@ -199,6 +199,7 @@ void BodyTracker::merge() {
       older.existence = 1 - (1 - older.existence) * (1 - younger.existence);
       older.confirmed = older.confirmed || younger.confirmed;
       older.last = std::max(older.last, younger.last);
+      older.merged = younger.number;
       younger.existence = 0;
     }
   }

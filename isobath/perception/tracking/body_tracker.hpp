@@ -53,6 +53,7 @@ struct BodyTrack {
   bool confirmed = false;
   Time first, last;  ///< readings
   std::uint32_t readings = 0;
+  std::uint32_t merged = 0;  ///< number of the younger track that was found to be of the same body last; 0: none
   MotionFilter filter;
   Eigen::Matrix2d extent = Eigen::Matrix2d::Zero();  ///< scatter of the echoes about the centre, m2
   double extent_weight = 0;                          ///< echoes that it rests on
