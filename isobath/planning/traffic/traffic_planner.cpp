@@ -10,7 +10,10 @@ namespace isobath {
 namespace {
 
 constexpr double kOffPlan_m = 0.05, kOffPlanHeading = 0.02, kOffPlanSpeed = 0.05;
-constexpr double kGraze_m = 0.1;    ///< overlap that does no harm
+constexpr double kStray_m = 0.5;  ///< from the straight motion, within which a motion keeps its course
+constexpr double kRuleless_s =
+    2;                            ///< without a new motion that follows the rules, after which a plan departs from them
+constexpr double kGraze_m = 0.1;  ///< overlap that does no harm
 constexpr double kSameSpeed = 0.1;  ///< m/s; contacts at speeds as near as this are of equal harm
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr int kOutlineParts = 4;  ///< of a chord, for a body that turns
@@ -38,6 +41,7 @@ std::vector<Field> fields(TrafficConfig& c) {
                   "Speed up to which a body belongs to the road map; a higher value plans paths past slow bodies."),
   };
   for (Field& field : fields(c.search)) all.push_back(std::move(field));
+  for (Field& field : fields(c.rules)) all.push_back(std::move(field));
   return all;
 }
 
@@ -57,7 +61,8 @@ TrafficPlanner::TrafficPlanner(const TrafficConfig& config, const TrafficVehicle
     : config_(config),
       vehicle_(vehicle),
       search_(config.search, vehicle),
-      roads_(vehicle, road_rules(config, vehicle, search_.chord_error_m())) {
+      roads_(vehicle, road_rules(config, vehicle, search_.chord_error_m())),
+      rules_(config.rules, vehicle.radius_m) {
   if (!(vehicle.min_speed >= 0 && vehicle.min_speed < vehicle.max_speed)) {
     throw Error("the minimum speed of the vehicle is not below its maximum speed", {.key = "min_speed"},
                 fmt::format("0 .. {} m/s", vehicle.max_speed));
@@ -127,17 +132,20 @@ TrafficPlanner::Approach TrafficPlanner::closest(const MovingBody& body, Time no
 
 bool TrafficPlanner::plan_is_free(Time now, double margin_m) const {
   sample(plan_.trajectory, to_seconds(now - plan_.start));
-  return std::ranges::all_of(bodies_, [&](const MovingBody& body) {
+  const auto is_clear = [&](const MovingBody& body) {
     return closest(body, now).passage.gap_m >= margin_m + search_.chord_error_m();
-  });
+  };
+  return std::ranges::all_of(bodies_, is_clear) && (!keeps_zones_ || std::ranges::all_of(zones_.zones, is_clear));
 }
 
 std::vector<Passage> TrafficPlanner::passages(Time now, double within_m) const {
   std::vector<Passage> all;
   sample(plan_.trajectory, std::max(0.0, to_seconds(now - plan_.start)));
-  for (const MovingBody& body : bodies_) {
-    const Passage one = closest(body, now).passage;
-    if (one.gap_m <= within_m) all.push_back(one);
+  for (const auto* bodies : {&bodies_, &left_out_}) {
+    for (const MovingBody& body : *bodies) {
+      const Passage one = closest(body, now).passage;
+      if (one.gap_m <= within_m) all.push_back(one);
+    }
   }
   std::ranges::stable_sort(all, {}, &Passage::time_s);
   return all;
@@ -149,18 +157,70 @@ std::optional<RoadMotion> TrafficPlanner::search_roads(const MotionState& own, T
   return roads_.motion(own, now);
 }
 
-bool TrafficPlanner::search(const MotionState& own, Time now, double margin_m, double before_s) {
+/// The error of the chords counts three times: here, in the later checks of the plan, which have other chords, and as
+/// their own error.
+double TrafficPlanner::kept_m(double margin_m) const {
+  return vehicle_.radius_m + margin_m + 3 * search_.chord_error_m();
+}
+
+void TrafficPlanner::follow_rules(const MotionState& own, Time now) {
+  const Eigen::Vector2d to_goal = goal_W_ - own.p_W;
+  rules_.update(own, vehicle_.max_speed * to_goal.normalized(), now, bodies_);
+  const auto stands_on = [&](const MovingBody& body) { return rules_.stands_on_for(body.number); };
+  std::ranges::copy_if(bodies_, std::back_inserter(left_out_), stands_on);
+  std::erase_if(bodies_, stands_on);
+  // A little more than the search keeps, so that a motion can begin where it is.
+  zones_ = rules_.zones(own, now, kept_m(config_.margin_m) + search_.chord_error_m());
+  if (zones_.zones.empty()) keeps_zones_ = true;
+  plan_.duties = rules_.duties();
+  note_departure();
+}
+
+void TrafficPlanner::note_departure() {
+  plan_.departs = zones_.left_out > 0 || (!keeps_zones_ && !zones_.zones.empty());
+}
+
+void TrafficPlanner::count_all_bodies() {
+  bodies_.insert(bodies_.end(), left_out_.begin(), left_out_.end());
+  left_out_.clear();
+}
+
+bool TrafficPlanner::goes_straight(const MotionState& own) const {
+  const auto direct = direct_motion(vehicle_, own, goal_W_, arrival_m_);
+  if (!direct) return false;
+  for (double t = 1; t <= std::min(config_.rules.act_s, direct->arrival_s); ++t) {
+    if ((found_.at(t).p_W - direct->at(t).p_W).norm() > kStray_m) return false;
+  }
+  return true;
+}
+
+bool TrafficPlanner::search_by_rules(const MotionState& own, Time now) {
+  const auto find = [&] {
+    with_zones_ = bodies_;
+    with_zones_.insert(with_zones_.end(), zones_.zones.begin(), zones_.zones.end());
+    // A motion that ends in an escape before the horizon would wait in front of what comes.
+    return search(with_zones_, own, now, config_.margin_m, kNever) && result_.end == SearchEnd::kHorizon;
+  };
+  if (!find()) return false;
+  if (left_out_.empty() || goes_straight(own)) return true;
+  sample(found_, 0);
+  const auto is_passed = [&](const MovingBody& body) { return closest(body, now).passage.gap_m >= config_.margin_m; };
+  if (std::ranges::all_of(left_out_, is_passed)) return true;
+  count_all_bodies();  // to manoeuvre for one body must not bring the vehicle near another
+  return find();
+}
+
+bool TrafficPlanner::search(std::span<const MovingBody> bodies, const MotionState& own, Time now, double margin_m,
+                            double before_s) {
   const double steps_s = search_.steps() * TrafficSearch::kStep_s;
-  // The error of the chords counts three times: here, in the later checks of the plan, which have other chords, and as
-  // their own error.
-  traffic_.build(bodies_, {.start = now,
-                           .step_s = TrafficSearch::kStep_s,
-                           .count = search_.steps(),
-                           .distance_m = vehicle_.radius_m + margin_m + 3 * search_.chord_error_m(),
-                           .sigmas = config_.sigmas,
-                           .middle_W = own.p_W,
-                           .half_side_m = vehicle_.max_speed * steps_s,
-                           .piece_m = search_.piece_m()});
+  traffic_.build(bodies, {.start = now,
+                          .step_s = TrafficSearch::kStep_s,
+                          .count = search_.steps(),
+                          .distance_m = kept_m(margin_m),
+                          .sigmas = config_.sigmas,
+                          .middle_W = own.p_W,
+                          .half_side_m = vehicle_.max_speed * steps_s,
+                          .piece_m = search_.piece_m()});
   result_ = search_.search(traffic_, own, goal_W_, arrival_m_, has_roads_ ? roads_.guide() : nullptr, before_s, found_);
   ++work_.searches;
   work_.expansions += result_.expansions;
@@ -168,7 +228,9 @@ bool TrafficPlanner::search(const MotionState& own, Time now, double margin_m, d
   return result_.end != SearchEnd::kNone;
 }
 
-void TrafficPlanner::take_found(Time now, double margin_m) {
+void TrafficPlanner::take_found(Time now, double margin_m, bool keeps_zones) {
+  keeps_zones_ = keeps_zones;
+  note_departure();
   std::swap(plan_.trajectory, found_);
   plan_.action = result_.end == SearchEnd::kHorizon ? TrafficAction::kFollow : TrafficAction::kEvade;
   plan_.start = now;
@@ -187,7 +249,7 @@ bool TrafficPlanner::take_stop(const MotionState& own, Time now) {
   found_.append(own, 0, 0, config_.search.horizon_s);
   if (worst_of(found_, now).passage.gap_m < config_.margin_m) return false;
   result_ = {SearchEnd::kEscape, kNever, 0, 0};
-  take_found(now, config_.margin_m);
+  take_found(now, config_.margin_m, zones_.zones.empty());
   plan_.action = TrafficAction::kStop;
   plan_.reason = "no path leads to the goal: " + plan_.road_reason;
   return true;
@@ -237,6 +299,8 @@ void TrafficPlanner::take_least_harm(const MotionState& own, Time now) {
     std::swap(plan_.trajectory, found_);
     plan_.action = choice.action;
   }
+  keeps_zones_ = zones_.zones.empty();
+  note_departure();
   plan_.start = now;
   plan_.arrival_s = std::numeric_limits<double>::infinity();
   plan_.free_s = 0;
@@ -259,28 +323,43 @@ const TrafficPlan& TrafficPlanner::step(const MotionState& own, Time now, std::s
     if (is_valid(body)) bodies_.push_back(body);
   }
   work_.refused_bodies = static_cast<int>(bodies.size() - bodies_.size());
+  left_out_.clear();
+  if (config_.rules.on) follow_rules(own, now);
   has_roads_ = config_.roads && roads_.update(own, bodies_);
   const bool kept = on_plan(own, now) && plan_.reason.empty();
-  const bool free = kept && plan_is_free(now, plan_.margin_m);
+  bool free = kept && plan_is_free(now, plan_.margin_m);
   const double since_s = kept ? to_seconds(now - plan_.start) : 0;
   const bool whole = plan_.action == TrafficAction::kFollow && plan_.margin_m == config_.margin_m;
   if (free && whole && searched_ && to_seconds(now - *searched_) < config_.replan_s - 1e-6) return plan_;
   searched_ = now;
-  const std::optional<RoadMotion> road = search_roads(own, now);
-  plan_.road_reason = has_roads_ ? roads_.reason() : std::string();
-  if (has_roads_ && roads_.is_shut() && take_stop(own, now)) return plan_;
-  for (const double share : {1.0, 0.5, 0.0}) {
-    const double margin_m = share * config_.margin_m;
-    if (free && margin_m < plan_.margin_m) return plan_;
-    const bool by_road = !search(own, now, margin_m, road ? road->arrival_s - config_.gain_s : kNever);
-    if (by_road && !road) continue;
-    if (by_road) result_ = {SearchEnd::kHorizon, road->arrival_s, road->free_s, 0};
+  const auto replaces = [&] {
     const bool better = result_.arrival_s < plan_.arrival_s - since_s - config_.gain_s;
     const bool as_far = result_.end == SearchEnd::kHorizon;
     const bool old = since_s > 0.5 * plan_.free_s;
-    if (free && !(as_far ? better || old || !whole : !whole)) return plan_;
+    return !free || (as_far ? better || old || !whole : !whole);
+  };
+  const std::optional<RoadMotion> road = search_roads(own, now);
+  plan_.road_reason = has_roads_ ? roads_.reason() : std::string();
+  if (has_roads_ && roads_.is_shut() && take_stop(own, now)) return plan_;
+  if (!zones_.zones.empty() || !left_out_.empty()) {
+    if (search_by_rules(own, now)) {
+      ruled_ = now;
+      if (replaces() || !keeps_zones_) take_found(now, config_.margin_m, true);
+      return plan_;
+    }
+    if (free && keeps_zones_ && to_seconds(now - ruled_) < kRuleless_s) return plan_;
+    count_all_bodies();
+    free = free && plan_is_free(now, plan_.margin_m);
+  }
+  for (const double share : {1.0, 0.5, 0.0}) {
+    const double margin_m = share * config_.margin_m;
+    if (free && margin_m < plan_.margin_m) return plan_;
+    const bool by_road = !search(bodies_, own, now, margin_m, road ? road->arrival_s - config_.gain_s : kNever);
+    if (by_road && !road) continue;
+    if (by_road) result_ = {SearchEnd::kHorizon, road->arrival_s, road->free_s, 0};
+    if (!replaces()) return plan_;
     if (by_road) found_ = road->trajectory;
-    take_found(now, margin_m);
+    take_found(now, margin_m, zones_.zones.empty());
     if (by_road) {
       plan_.on_road = true;
       plan_.mends = road->mends;

@@ -16,11 +16,18 @@
 // their velocities. It does not promise a margin from bodies that it does not know or that turn. Times in seconds, m,
 // m/s, frame W (see vehicle_motion.hpp).
 //
+// As an option (`rules`, off) the plan follows the steering rules of the sea (rules_of_the_road.hpp). A search first
+// keeps out of the zones that the rules forbid, too, at the full margin, and leaves out the bodies toward which the
+// vehicle keeps its course and speed, unless it must manoeuvre for another one and would come near them. Where the plan
+// is not free, or for 2 s no search has found such a motion, the zones are given up (rule 2 b), and then the margin, as
+// without rules. Motions along the road map do not know the zones, and are not taken while there are any.
+//
 // Cost on one core, 100 bodies of which some 35 are in reach: 0.06 ms a step (median), 4 to 6 ms (99 %), 20 ms
 // (longest); `isobath traffic` measures it. Memory is allocated only while a search is larger than all before. One
 // thread at a time.
 #pragma once
 
+#include <isobath/planning/traffic/rules_of_the_road.hpp>
 #include <isobath/planning/traffic/traffic_roads.hpp>
 #include <isobath/planning/traffic/traffic_search.hpp>
 #include <string>
@@ -34,6 +41,7 @@ struct TrafficConfig {
   double gain_s = 0.2;
   bool roads = true;          ///< whether there is a road map of what lies still
   double still_speed = 0.05;  ///< m/s, of bodies that the road map holds
+  SteeringRulesConfig rules = {};
   TrafficSearchConfig search;
 };
 
@@ -60,14 +68,16 @@ struct TrafficPlan {
   TrafficAction action = TrafficAction::kRefuse;
   Trajectory trajectory;  ///< from `start` on, with the escape at its end
   Time start{};
-  double arrival_s = 0;     ///< from the start; beyond the horizon in open water
-  double free_s = 0;        ///< from the start: time before the escape
-  double margin_m = 0;      ///< that the search kept: the configured one, half of it, or 0
-  int number = 0;           ///< rises by one with each new plan (S3-21)
-  std::string reason;       ///< why there is no free motion; else empty
-  bool on_road = false;     ///< it follows a path of the road map; else the search found it
-  bool mends = false;       ///< it follows the path of the plan before with other speeds (S3-19)
-  std::string road_reason;  ///< why no path of the road map leads to the goal; else empty (S3-37)
+  double arrival_s = 0;              ///< from the start; beyond the horizon in open water
+  double free_s = 0;                 ///< from the start: time before the escape
+  double margin_m = 0;               ///< that the search kept: the configured one, half of it, or 0
+  int number = 0;                    ///< rises by one with each new plan (S3-21)
+  std::string reason;                ///< why there is no free motion; else empty
+  bool on_road = false;              ///< it follows a path of the road map; else the search found it
+  bool mends = false;                ///< it follows the path of the plan before with other speeds (S3-19)
+  std::string road_reason;           ///< why no path of the road map leads to the goal; else empty (S3-37)
+  std::vector<SteeringDuty> duties;  ///< with rules: the roles toward the bodies at the last step, by number
+  bool departs = false;              ///< it does not keep out of all zones of these roles (rule 2 b)
 };
 
 /// Work of one step.
@@ -92,6 +102,9 @@ class TrafficPlanner {
   [[nodiscard]] const TrafficWork& work() const { return work_; }
   /// Since the goal was set.
   [[nodiscard]] const RoadWork& road_work() const { return roads_.work(); }
+  /// The roles toward the bodies; `take_roles` hands them to a planner with other settings.
+  [[nodiscard]] const RulesOfTheRoad& rules() const { return rules_; }
+  void take_roles(const RulesOfTheRoad& rules) { rules_.take_roles(rules); }
   /// Bodies of the last step that the plan passes within `within_m`, by time.
   [[nodiscard]] std::vector<Passage> passages(Time now, double within_m) const;
 
@@ -106,12 +119,24 @@ class TrafficPlanner {
   [[nodiscard]] Approach closest(const MovingBody& body, Time now) const;
   /// The closest passage and the first contact of a motion that starts now.
   [[nodiscard]] Approach worst_of(const Trajectory& motion, Time now) const;
+  /// The roles now; parts the bodies that the plan leaves out, and makes the zones.
+  void follow_rules(const MotionState& own, Time now);
+  /// Distance of the vehicle's place from a shape that the search keeps.
+  [[nodiscard]] double kept_m(double margin_m) const;
+  /// Whether the motion found keeps course and speed to the goal for the time in which the bodies left out count not.
+  [[nodiscard]] bool goes_straight(const MotionState& own) const;
+  /// From here on the plan counts the bodies that were left out.
+  void count_all_bodies();
   [[nodiscard]] bool plan_is_free(Time now, double margin_m) const;
   /// The best motion along the road map, at the full margin.
   std::optional<RoadMotion> search_roads(const MotionState& own, Time now);
-  /// A motion that arrives before a time.
-  bool search(const MotionState& own, Time now, double margin_m, double before_s);
-  void take_found(Time now, double margin_m);
+  /// A motion among these bodies that arrives before a time.
+  bool search(std::span<const MovingBody> bodies, const MotionState& own, Time now, double margin_m, double before_s);
+  /// One that keeps out of the zones, at the full margin.
+  bool search_by_rules(const MotionState& own, Time now);
+  void take_found(Time now, double margin_m, bool keeps_zones);
+  /// After a change of the plan or of the zones.
+  void note_departure();
   /// To rest straight ahead, if that keeps the margin.
   bool take_stop(const MotionState& own, Time now);
   void take_least_harm(const MotionState& own, Time now);
@@ -124,7 +149,13 @@ class TrafficPlanner {
   PredictedTraffic traffic_;
   Eigen::Vector2d goal_W_ = Eigen::Vector2d::Zero();
   double arrival_m_ = 0;
-  std::vector<MovingBody> bodies_;
+  std::vector<MovingBody> bodies_;    ///< that the plan counts
+  std::vector<MovingBody> left_out_;  ///< toward which the vehicle keeps course and speed
+  RulesOfTheRoad rules_;
+  RulesOfTheRoad::Zones zones_;
+  Time ruled_;                          ///< when a search last found a motion that follows the rules
+  bool keeps_zones_ = true;             ///< the plan
+  std::vector<MovingBody> with_zones_;  ///< bodies and zones
   struct Sample {
     double time_s;  ///< from now
     Eigen::Vector2d p_W;
