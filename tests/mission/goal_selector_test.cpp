@@ -195,5 +195,54 @@ TEST_F(GoalSelectorTest, BoundsHowFarAnUnknownVelocityClosesTheWater) {
   }
 }
 
+/// A body of the rules of the road that keeps its velocity, from its place at 0 s, and what is said of it.
+class GoalSelectorByRules : public GoalSelectorTest {
+ protected:
+  std::vector<std::string> told(const Vector2d& body_W, const Vector2d& velocity_W, double until_s) {
+    config.planner.rules.on = true;
+    make();
+    order({{120, 0, 1, 1.5}});
+    Vector2d own(0, 0);
+    while (now < until_s) {
+      if (std::abs(std::remainder(now, 0.5)) < 0.05) {
+        still({});
+        sweep(body_W + now * velocity_W, velocity_W);
+      }
+      for (const MotionOrder& motion : only<MotionOrder>(go_to(own))) {
+        own += 0.1 * (motion.place_W - own) / config.lead_s;
+      }
+    }
+    std::vector<std::string> rules;
+    for (const Decision& d : only<Decision>(script->said)) {
+      if (d.what == "rule of the road") rules.push_back(d.reason);
+    }
+    aside_m = own.y();
+    return rules;
+  }
+  double aside_m = 0;
+};
+
+// Rules 13 to 17. ledger: S3-01 S3-03
+TEST_F(GoalSelectorByRules, NamesTheRuleTowardEachBody) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(told({50, 0}, {-1, 0}, 16), Texts{"obstacle 5 is met head-on, the vehicle turns to starboard (rule 14)"});
+  EXPECT_GT(aside_m, 0.5) << "to starboard";
+  EXPECT_EQ(told({45, 30}, {0, -1}, 20), Texts{"obstacle 5 crosses from starboard, the vehicle gives way (rule 15)"});
+  EXPECT_EQ(told({45, -30}, {0, 1}, 24), (Texts{"obstacle 5 crosses from port, the vehicle stands on (rule 17)",
+                                                "the vehicle acts, for obstacle 5 from port does not (rule 17 a ii)"}));
+  EXPECT_EQ(told({20, 1}, {0.7, 0}, 5), Texts{"the vehicle overtakes obstacle 5 and keeps clear of it (rule 13)"});
+  EXPECT_EQ(told({-25, 1}, {2.4, 0}, 5), Texts{"obstacle 5 overtakes, the vehicle stands on (rule 17)"});
+}
+
+// While the vehicle stands on, there is a plan: straight on, at the speed of its order. ledger: S3-21
+TEST_F(GoalSelectorByRules, StandsOnWithAPlanAndAtTheSpeedOfItsOrder) {
+  EXPECT_EQ(told({-20, -0.5}, {2.2, 0}, 12).size(), 1u);
+  EXPECT_NEAR(aside_m, 0, 0.05);
+  const auto orders = only<MotionOrder>(script->said);
+  ASSERT_GT(orders.size(), 100u);
+  EXPECT_NEAR((orders.back().place_W - orders[orders.size() - 2].place_W).norm(), 0.15, 0.01);
+  for (const Decision& d : only<Decision>(script->said)) EXPECT_EQ(d.reason.find("pursued"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -157,8 +157,8 @@ TEST_F(Roles, TheZoneOfABodyMetHeadOnLiesOnItsStarboardSide) {
   ASSERT_EQ(role(vessel(1, {40, 0}, {-1, 0})), kHeadOn);
   const RulesOfTheRoad::Zones all = rules.zones(own, now, 2);
   ASSERT_EQ(all.zones.size(), 1u);
-  EXPECT_LT(distance_to(all.zones[0], {39, -11}, 0), 0) << "it goes south: its starboard side is west";
-  EXPECT_GT(distance_to(all.zones[0], {39, 1}, 0), 0);
+  EXPECT_LT(distance_to(all.zones[0], {31, -11}, 0), 0) << "it goes south: its starboard side is west";
+  EXPECT_GT(distance_to(all.zones[0], {31, 1}, 0), 0);
   EXPECT_EQ(all.zones[0].number, 1);
 }
 

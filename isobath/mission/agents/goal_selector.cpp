@@ -42,6 +42,27 @@ MovingBody body_of(const Obstacle& obstacle, const Detection& map) {
   return body;
 }
 
+/// What the rules of the sea ask of the vehicle toward a body.
+std::string rule_text(const SteeringDuty& duty) {
+  switch (duty.role) {
+    case SteeringRole::kHeadOn:
+      return fmt::format("obstacle {} is met head-on, the vehicle turns to starboard (rule 14)", duty.number);
+    case SteeringRole::kOvertaking:
+      return fmt::format("the vehicle overtakes obstacle {} and keeps clear of it (rule 13)", duty.number);
+    case SteeringRole::kGiveWay:
+      return fmt::format("obstacle {} crosses from starboard, the vehicle gives way (rule 15)", duty.number);
+    case SteeringRole::kOvertaken:
+      return duty.acts ? fmt::format("the vehicle acts, for obstacle {}, which overtakes it, does not (rule 17 a ii)",
+                                     duty.number)
+                       : fmt::format("obstacle {} overtakes, the vehicle stands on (rule 17)", duty.number);
+    case SteeringRole::kStandOn:
+      return duty.acts ? fmt::format("the vehicle acts, for obstacle {} from port does not (rule 17 a ii)", duty.number)
+                       : fmt::format("obstacle {} crosses from port, the vehicle stands on (rule 17)", duty.number);
+    case SteeringRole::kNone: break;
+  }
+  return "";
+}
+
 MovingBody body_of(const Hazard& hazard) {
   MovingBody body = body_of(hazard.outline, hazard.obstacle);
   body.radius_m = std::max(0.0, hazard.margin_m);
@@ -129,7 +150,10 @@ bool GoalSelector::may_steer(Time now) const {
 bool GoalSelector::in_reach(const MovingBody& body, Time now) const {
   const Vector2d p_W = body.p_W + to_seconds(now - body.time) * body.velocity_W;
   const double own_speed = std::max(speed_, order_.waypoints[passed_].speed);
-  const double nearer_m = (own_speed + body.velocity_W.norm()) * config_.planner.search.horizon_s;
+  const TrafficConfig& planner = config_.planner;
+  const double reach_s =
+      planner.rules.on ? std::max(planner.search.horizon_s, planner.rules.risk_s) : planner.search.horizon_s;
+  const double nearer_m = (own_speed + body.velocity_W.norm()) * reach_s;
   return (p_W - here_->X_WB.translation.head<2>()).norm() - circumscribed_radius(body) - nearer_m < kReach_m;
 }
 
@@ -183,7 +207,9 @@ void GoalSelector::aim() {
     if (is_pursued) rules.margin_m = std::max(rules.margin_m, config_.pursued_margin_m);
     if (is_blocked) rules.replan_s = std::min(rules.replan_s, config_.blocked_replan_s);
     planned_for_ = situation_;
+    const RulesOfTheRoad roles = planner_ ? planner_->rules() : RulesOfTheRoad();
     planner_.emplace(rules, v);
+    planner_->take_roles(roles);
     speed_ = speed;
     told_plan_ = 0;
   }
@@ -199,6 +225,7 @@ const MovingBody* GoalSelector::pursuer(Time now) const {
   const Vector2d own_W = here_->X_WB.translation.head<2>() + to_seconds(now - here_->time) * v_W;
   if (!(v_W.norm() > kCourse)) return nullptr;
   for (const MovingBody& body : bodies_) {
+    if (config_.planner.rules.on && !(planner_ && planner_->rules().acts_for(body.number))) continue;
     const Vector2d to = body.p_W + to_seconds(now - body.time) * body.velocity_W - own_W,
                    closing = v_W - body.velocity_W;
     if (to.dot(v_W) > kAstern * to.norm() * v_W.norm()) continue;
@@ -254,6 +281,24 @@ void GoalSelector::tick(Time now, Outbox& out) {
   const Time at = now + seconds(config_.lead_s);
   out.say(MotionOrder{order_.version, waypoint_, now, plan.trajectory.at(to_seconds(at - plan.start)).p_W, at});
   tell(now, out);
+  tell_rules(now, out);
+}
+
+void GoalSelector::tell_rules(Time now, Outbox& out) {
+  const TrafficPlan& plan = planner_->plan();
+  for (const SteeringDuty& duty : plan.duties) {
+    if (std::ranges::find(told_duties_, duty) != told_duties_.end()) continue;
+    Decision d{now, "goal selector", "rule of the road", rule_text(duty)};
+    const auto body = std::ranges::find(moving_, duty.number, &MovingBody::number);
+    if (body != moving_.end()) d.obstacle = body->p_W;
+    d.obstacle_number = duty.number;
+    out.say(std::move(d));
+  }
+  told_duties_ = plan.duties;
+  if (!plan.departs || (told_departure_ && to_seconds(now - *told_departure_) < kTellAgain_s)) return;
+  told_departure_ = now;
+  out.say(Decision{now, "goal selector", "rule of the road",
+                   "no motion keeps clear and follows the rules: the plan departs from them (rule 2 b)"});
 }
 
 void GoalSelector::tell(Time now, Outbox& out) {

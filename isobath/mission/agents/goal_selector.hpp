@@ -28,6 +28,11 @@
 // A decision tells which body the plan passes, when, and how near (S3-21), once for each body in kTellAgain_s; and each
 // change of the situation, with the reason.
 //
+// As an option (`goal_selector.rules`) plans follow the steering rules of the sea
+// (planning/traffic/rules_of_the_road.hpp). All bodies that the sensors see get their roles, and a decision "rule of
+// the road" tells each role, the rule, and when the vehicle that stands on acts. A body from astern makes the situation
+// pursued only then: before, the vehicle keeps course and speed (rule 17).
+//
 // Frame W, m, s. A function of its messages. Cost: one step of the planner at each tick, see traffic_planner.hpp.
 #pragma once
 
@@ -83,6 +88,7 @@ class GoalSelector final : public Agent {
   [[nodiscard]] const MovingBody* pursuer(Time now) const;
   void enter(const Assessment& assessment, Time now, Outbox& out);
   void tell(Time now, Outbox& out);
+  void tell_rules(Time now, Outbox& out);
 
   GoalSelectorConfig config_;
   VehicleParameters vehicle_;
@@ -107,6 +113,8 @@ class GoalSelector final : public Agent {
   Time situation_held_;  ///< when it last was so
   int told_plan_ = 0;    ///< number of the last plan that `tell` has seen
   std::map<int, Time> told_;
+  std::vector<SteeringDuty> told_duties_;
+  std::optional<Time> told_departure_;
 };
 
 }  // namespace isobath

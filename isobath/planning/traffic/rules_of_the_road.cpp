@@ -13,7 +13,7 @@ constexpr double kHeadOnBow = 10 * kDegree, kHeadOnAspect = 15 * kDegree;
 constexpr double kAbaft = 112.5 * kDegree;  ///< from the bow: 22.5 degrees abaft the beam
 constexpr double kForget_s = 5, kJump_m = 5;
 constexpr double kPast_s = 2, kNoRisk_s = 5;
-constexpr double kHeadOnAhead_s = 3;    ///< of the way of a body that is met head-on, that its zone reaches ahead
+constexpr double kHeadOnAhead_s = 10;   ///< of the way of a body that is met head-on, that its zone reaches ahead
 constexpr double kBesideCourse_m = 10;  ///< width of the zone on the port side of a vehicle that acts
 constexpr double kBesideSlack_m = 0.5;  ///< between what the vehicle keeps and that zone
 constexpr double kActing_s = 8;         ///< of its way, that the zone reaches beyond the closest approach
