@@ -51,6 +51,10 @@ ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> sc
     if (run.row) {
       scored.scores.back().proof = prove(*run.row, run.scenario, method.configuration.safety, result);
     }
+    if (!run.encounters.empty()) {
+      const std::span<const Body> bodies = run.scenario.scene.bodies;
+      scored.scores.back().rules = rules_score(result.track, bodies.last(run.encounters.size()), run.encounters);
+    }
     if (!request.suite.stages.empty()) {
       scored.scores.back().story = follow_story(request.suite.stages, run.scenario, outlines_in(truth), log, result);
     }
@@ -144,6 +148,20 @@ void sum_up_rows(const std::vector<ScoredRun>& runs, std::size_t method, Summary
     all += own;
   }
   s.shown = share(shown, all);
+}
+
+void sum_up_rules(const std::vector<ScoredRun>& runs, std::size_t method, Summary& s) {
+  const auto shown = [&](int RulesScore::*count, int RulesScore::*of) {
+    std::size_t counts = 0, all = 0;
+    for (const ScoredRun& run : runs) {
+      counts += static_cast<std::size_t>(run.scores[method].rules.*count);
+      all += static_cast<std::size_t>(run.scores[method].rules.*of);
+    }
+    return share(counts, all);
+  };
+  s.passed_astern = shown(&RulesScore::passed_astern, &RulesScore::give_way);
+  s.passed_port_to_port = shown(&RulesScore::passed_port_to_port, &RulesScore::head_on);
+  s.stood_on = shown(&RulesScore::stood_on, &RulesScore::stand_on);
 }
 
 void sum_up_story(const std::vector<ScoredRun>& runs, std::size_t method, const std::vector<StoryStage>& stages,
@@ -271,6 +289,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.openings_known = share(opening.size(), known.size());
   s.opening_known_m = spread(opening);
   s.opening_share = spread(known);
+  sum_up_rules(runs, method, s);
   sum_up_rows(runs, method, s);
   sum_up_story(runs, method, stages, s);
   return s;

@@ -78,7 +78,8 @@ struct Summary {
   Share moving_known;                     ///< of the moving bodies that were heard in all runs
   Spread moving_known_s, ospa_m, velocity_rms;
   double false_obstacles = 0, near_false_obstacles = 0,
-         unseen_false_obstacles = 0;  ///< per scan, over the scans of all runs
+         unseen_false_obstacles = 0;                   ///< per scan, over the scans of all runs
+  Share passed_astern, passed_port_to_port, stood_on;  ///< of the encounters in all runs (RulesScore)
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
   std::size_t no_way_there = 0;               ///< refused runs where the planner with full truth found no route either
   std::map<std::string, int> reasons;         ///< of refusals, with # for every number

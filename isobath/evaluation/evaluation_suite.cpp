@@ -202,6 +202,7 @@ void add_encounters(const EncounterConfig& config, std::uint64_t seed, SuiteRun&
   std::vector<Body> bodies =
       encounter_bodies(config, situation, straight_vehicle(run.scenario), seed, scene.about.duration_s);
   std::move(bodies.begin(), bodies.end(), std::back_inserter(scene.bodies));
+  run.encounters = situation;
 }
 
 }  // namespace
@@ -371,8 +372,8 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   if (run.scenario.mission.points.empty()) {
     throw Error("the scene has neither mission points nor way-points", {.file = scene.file}, "at least one");
   }
-  if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
   if (suite.replay.on) add_traffic(suite, replay_seed, run);
+  if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
   return run;
 }
 

@@ -130,6 +130,7 @@ struct SuiteRun {
   std::string variant;            ///< name of the variant; empty in a suite without variants
   std::string conditions;         ///< the drawn values as text
   const FaultRow* row = nullptr;  ///< the row that the run must show, in a suite of faults
+  EncounterSituation encounters;  ///< in a suite of encounters: of the targets, which are the last bodies of the scene
 };
 /// `scenes`: the scenes of the suite, at least one.
 SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uint64_t seed);
