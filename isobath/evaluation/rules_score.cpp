@@ -77,9 +77,9 @@ std::optional<StandOn> stand_on(std::span<const TrueMotion> track, const Body& t
   return std::nullopt;
 }
 
-bool keeps_velocity(std::span<const TrueMotion> track, const StandOn& while_) {
-  const Vector2d& kept = while_.velocity_W;
-  for (std::size_t i = while_.first; i < track.size() && to_seconds(track[i].time) <= while_.until_s; ++i) {
+bool keeps_velocity(std::span<const TrueMotion> track, const StandOn& stretch) {
+  const Vector2d& kept = stretch.velocity_W;
+  for (std::size_t i = stretch.first; i < track.size() && to_seconds(track[i].time) <= stretch.until_s; ++i) {
     const Vector2d velocity = mean_velocity(track, i);
     const double turned = std::atan2(kept.x() * velocity.y() - kept.y() * velocity.x(), kept.dot(velocity));
     if (std::abs(turned) > kKeptCourse || std::abs(velocity.norm() - kept.norm()) > kKeptSpeed) return false;

@@ -118,6 +118,20 @@ TEST_F(Roles, EndWhereTheBodyIsNotSeenOrJumps) {
   EXPECT_TRUE(rules.duties().empty()) << "not seen for 5 s";
 }
 
+TEST_F(Roles, EndWhereTheBodyStops) {
+  ASSERT_EQ(role(vessel(1, {30, 20}, {0, -1}, 0)), kGiveWay);
+  EXPECT_EQ(role(vessel(1, {30, 19}, {0, -0.1}, 1), {1.5, 0}), kGiveWay) << "it may go on";
+  EXPECT_TRUE(rules.zones(own, now, 1).zones.empty());
+  EXPECT_EQ(role(vessel(1, {30, 19}, {0, 0}, 5.1), {7.5, 0}), kNone);
+}
+
+TEST_F(Roles, AreNotChangedByWhatLiesStillUnderTheSameNumber) {
+  ASSERT_EQ(role(vessel(1, {30, 20}, {0, -1}, 0)), kGiveWay);
+  const std::vector<MovingBody> bodies = {vessel(1, {30, 19}, {0, -1}, 1), vessel(1, {90, -70}, {0, 0}, 1)};
+  rules.update({{1.5, 0}, 0, 1.5}, {1.5, 0}, after(1), bodies);
+  EXPECT_EQ(rules.duties(), (std::vector<SteeringDuty>{{1, kGiveWay, false}}));
+}
+
 TEST_F(Roles, StatesThatAreNotFiniteAreLeftOut) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(role(vessel(1, {nan, 20}, {0, -1})), kNone);

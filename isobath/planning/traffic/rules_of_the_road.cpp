@@ -11,6 +11,7 @@ using Eigen::Vector2d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kHeadOnBow = 10 * kDegree, kHeadOnAspect = 15 * kDegree;
 constexpr double kAbaft = 112.5 * kDegree;  ///< from the bow: 22.5 degrees abaft the beam
+constexpr double kStillHasCourse = 0.5;     ///< of the minimum speed, below which a body with a role is not seen as one
 constexpr double kForget_s = 5, kJump_m = 5;
 constexpr double kPast_s = 2, kNoRisk_s = 5;
 constexpr double kHeadOnAhead_s = 10;   ///< of the way of a body that is met head-on, that its zone reaches ahead
@@ -110,8 +111,7 @@ bool RulesOfTheRoad::is_over(const PlaneMotion& own, const PlaneMotion& intended
   if (gap_m < wide_m || is_risk(own, e.last, e.radius_m, wide_m) || is_risk(intended, e.last, e.radius_m, wide_m)) {
     e.risky = now;
   }
-  return to_seconds(now - e.closing) >= kPast_s || to_seconds(now - e.risky) >= kNoRisk_s ||
-         e.last.velocity_W.norm() < 0.5 * config_.min_speed;
+  return to_seconds(now - e.closing) >= kPast_s || to_seconds(now - e.risky) >= kNoRisk_s;
 }
 
 void RulesOfTheRoad::begin_to_act(const MotionState& own, const PlaneMotion& moves, Encounter& e) const {
@@ -127,7 +127,8 @@ void RulesOfTheRoad::update(const MotionState& own, const Vector2d& intended_W, 
                             std::span<const MovingBody> bodies) {
   const PlaneMotion moves{own.p_W, own.speed * ahead_of(own.heading)}, intended{own.p_W, intended_W};
   for (const MovingBody& body : bodies) {
-    if (!is_valid(body)) continue;
+    // What lies still may have the number of a body that moves, from which it was split.
+    if (!is_valid(body) || body.velocity_W.norm() < kStillHasCourse * config_.min_speed) continue;
     const PlaneMotion there = motion_now(body, now);
     auto found = encounters_.find(body.number);
     if (found != encounters_.end()) {

@@ -16,8 +16,9 @@
 // A role lasts until the body is past and clear (rule 13 d): later changes of bearing do not change it. Toward the
 // place where the vehicle wants to go, and as it moves now, the distance grows, and the gap is more than `clear_m`, for
 // 2 s; or for 5 s neither motion comes closer than twice `risk_m` within `risk_s`. Then a new risk makes a new role.
-// Bodies slower than `min_speed` have no meaningful course and get no role. A body that is not seen for 5 s is
-// forgotten; one that jumps farther than 5 m from where its velocity led is taken as a new one.
+// Bodies slower than `min_speed` have no meaningful course and get no role; one that has a role and becomes slower than
+// half of that counts as not seen. A body that is not seen for 5 s is forgotten; one that jumps farther than 5 m from
+// where its velocity led is taken as a new one.
 //
 // What a role asks of the plan:
 //

@@ -10,10 +10,10 @@ namespace isobath {
 namespace {
 
 constexpr double kOffPlan_m = 0.05, kOffPlanHeading = 0.02, kOffPlanSpeed = 0.05;
-constexpr double kStray_m = 0.5;  ///< from the straight motion, within which a motion keeps its course
-constexpr double kRuleless_s =
-    2;                            ///< without a new motion that follows the rules, after which a plan departs from them
-constexpr double kGraze_m = 0.1;  ///< overlap that does no harm
+constexpr double kStray_m = 0.5;    ///< from the straight motion, within which a motion keeps its course
+constexpr double kStopped = 0.5;    ///< of the minimum speed of a body with a role, from which on down it counts
+constexpr double kRuleless_s = 2;   ///< without a motion by the rules, after which a plan departs from them
+constexpr double kGraze_m = 0.1;    ///< overlap that does no harm
 constexpr double kSameSpeed = 0.1;  ///< m/s; contacts at speeds as near as this are of equal harm
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr int kOutlineParts = 4;  ///< of a chord, for a body that turns
@@ -166,7 +166,9 @@ double TrafficPlanner::kept_m(double margin_m) const {
 void TrafficPlanner::follow_rules(const MotionState& own, Time now) {
   const Eigen::Vector2d to_goal = goal_W_ - own.p_W;
   rules_.update(own, vehicle_.max_speed * to_goal.normalized(), now, bodies_);
-  const auto stands_on = [&](const MovingBody& body) { return rules_.stands_on_for(body.number); };
+  const auto stands_on = [&](const MovingBody& body) {
+    return rules_.stands_on_for(body.number) && body.velocity_W.norm() >= kStopped * config_.rules.min_speed;
+  };
   std::ranges::copy_if(bodies_, std::back_inserter(left_out_), stands_on);
   std::erase_if(bodies_, stands_on);
   // A little more than the search keeps, so that a motion can begin where it is.
