@@ -75,10 +75,10 @@ TEST(RulesOfTheRoad, ABodyWithoutACourseHasNoRole) {
 class Roles : public testing::Test {
  protected:
   /// The vehicle goes toward a heading at 1.5 m/s; it wants to go north.
-  SteeringRole role(const MovingBody& body, const Vector2d& own = {0, 0}, double heading_deg = 0) {
-    this->own = {own, heading_deg * kDeg, 1.5};
+  SteeringRole role(const MovingBody& body, const Vector2d& place = {0, 0}, double heading_deg = 0) {
+    own = {place, heading_deg * kDeg, 1.5};
     now = body.time;
-    rules.update(this->own, {1.5, 0}, now, std::span(&body, 1));
+    rules.update(own, {1.5, 0}, now, std::span(&body, 1));
     for (const SteeringDuty& duty : rules.duties()) {
       if (duty.number == body.number) return duty.role;
     }
