@@ -241,7 +241,10 @@ TEST_F(GoalSelectorByRules, StandsOnWithAPlanAndAtTheSpeedOfItsOrder) {
   const auto orders = only<MotionOrder>(script->said);
   ASSERT_GT(orders.size(), 100u);
   EXPECT_NEAR((orders.back().place_W - orders[orders.size() - 2].place_W).norm(), 0.15, 0.01);
-  for (const Decision& d : only<Decision>(script->said)) EXPECT_EQ(d.reason.find("pursued"), std::string::npos);
+  for (const Decision& d : only<Decision>(script->said)) {
+    EXPECT_EQ(d.reason.find("pursued"), std::string::npos);
+    EXPECT_FALSE(d.approach) << "the plan leaves the body out, and does not pass it";
+  }
 }
 
 }  // namespace

@@ -311,6 +311,7 @@ void GoalSelector::tell(Time now, Outbox& out) {
   for (const Passage& passage : planner_->passages(now, kTell_m)) {
     const auto body = std::ranges::find(moving_, passage.number, &MovingBody::number);
     if (body == moving_.end() || (nearest && passage.gap_m >= approach.gap_m)) continue;
+    if (planner_->rules().stands_on_for(passage.number)) continue;  // the plan leaves it out
     nearest = &*body;
     approach = {passage.time_s, passage.gap_m};
   }
