@@ -193,7 +193,9 @@ void GoalSelector::aim() {
              is_blocked = situation_ == TrafficSituation::kBlocked;
   const double wanted = is_pursued ? config_.pursued_speed * goal.speed : goal.speed;
   const double speed = std::clamp(wanted, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
-  const bool anew = !planner_ || speed != speed_ || planned_for_ != situation_;
+  // Clear and crossing traffic have the same parameters.
+  const bool differs = planned_for_ != situation_ && std::max(planned_for_, situation_) > TrafficSituation::kCrossing;
+  const bool anew = !planner_ || speed != speed_ || differs;
   if (anew) {
     TrafficVehicle v;
     v.radius_m = vehicle_.hull_radius_m;
