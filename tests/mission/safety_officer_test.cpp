@@ -278,6 +278,18 @@ TEST(FaultsOfTheWay, NotFollowed) {
   EXPECT_THAT(held.reason(Fault::kWayNotFollowed), HasSubstr("no nearer to way-point 1"));
 }
 
+// Led past moving bodies the vehicle may make no progress for two minutes more. ledger: S3-26
+TEST(FaultsOfTheWay, TrafficIsGivenTwoMinutes) {
+  SafetyStream stream;
+  stream.run_to(kBegin);
+  stream.current = {-1.5, 0};
+  for (double t = 0; t < 200; t += 0.2) {
+    stream.tell(MotionOrder{});
+    stream.run_to(kBegin + t);
+  }
+  EXPECT_NEAR(stream.raised(Fault::kWayNotFollowed), kBegin + kLimits.progress_s + 120, 3);
+}
+
 TEST(FaultsOfTheWay, PlanningTheSameWayAgainIsNoProgress) {
   SafetyStream stream;
   stream.run_to(kBegin);

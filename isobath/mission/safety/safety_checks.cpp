@@ -163,6 +163,7 @@ void SafetyOfficer::check_way() {
   if (left < way_->nearest_m - config_.progress_m || !order_ || !(order_->speed > kToMove) || !free) {
     way_->nearest_m = std::min(left, way_->nearest_m);
     way_->progress_s = clock_s_;
+    way_->in_traffic_s = 0;
   }
   if (clock_s_ - way_->progress_s > config_.progress_s) {
     find(Fault::kWayNotFollowed, fmt::format("no nearer to way-point {} than {:.1f} m for {:.0f} s", way_->next,

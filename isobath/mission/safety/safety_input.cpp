@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/safety/safety_officer.hpp>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -16,6 +17,7 @@ constexpr double kSmooth = 0.3;        // share of the newest turn
 constexpr std::size_t kMaxNames = 64;  // of sonars and of health sources; further ones are not kept
 constexpr double kBeside = 0.5;        // s: sources with messages this recent are compared
 constexpr double kApart = 1;           // m, between the points that stand for an outline
+constexpr double kInTraffic_s = 120;   // without progress, while the Goal Selector steers
 constexpr double kMapped = 40;         // m: farther obstacles do not matter to an escape
 constexpr double kBeyondReach = 20;    // m: echoes are kept up to this far beyond the stopping distance
 
@@ -112,6 +114,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
   if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
+  if (std::holds_alternative<MotionOrder>(message)) wait_for_traffic();
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;
   if (const auto* refused = std::get_if<RouteRefused>(&message)) refusal_ = Refusal{refused->reason, refused->why};
   if (std::holds_alternative<RoutePlanned>(message)) {
@@ -127,6 +130,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
       way_->next = std::min(passed->index + 2, way_->points.size());
       way_->nearest_m = std::numeric_limits<double>::infinity();
       way_->progress_s = clock_s_;
+      way_->in_traffic_s = 0;
     }
   }
   if (const auto* order = std::get_if<HelmOrder>(&message)) {
@@ -300,6 +304,15 @@ void SafetyOfficer::start(const std::shared_ptr<const MissionPlan>& plan) {
   for (Fault again : {Fault::kMissionTooLong, Fault::kBatteryLow}) row(again) = Row{};
 }
 
+/// While the vehicle is led past moving bodies, the watch over its progress waits, for kInTraffic_s at most.
+void SafetyOfficer::wait_for_traffic() {
+  if (!way_) return;
+  const double since_s = std::min(clock_s_ - std::exchange(way_->steered_s, clock_s_), to_seconds(MotionOrder::kLasts));
+  if (way_->in_traffic_s + since_s > kInTraffic_s) return;
+  way_->in_traffic_s += since_s;
+  way_->progress_s = std::min(way_->progress_s + since_s, clock_s_);
+}
+
 void SafetyOfficer::follow(const FollowOrder& order) {
   surfacing_ = order.surface;
   Way way;
@@ -315,6 +328,8 @@ void SafetyOfficer::follow(const FollowOrder& order) {
                     (way_->points.back() - way.points.back()).norm() < config_.progress_m;
   way.nearest_m = same ? (way.points[1] - *way.from).norm() : std::numeric_limits<double>::infinity();
   way.progress_s = same ? way_->progress_s : clock_s_;
+  way.steered_s = way_ ? way_->steered_s : 0;
+  way.in_traffic_s = same ? way_->in_traffic_s : 0;
   way_.reset();
   if (!finite) return;
   way_ = std::move(way);

@@ -98,6 +98,8 @@ class SafetyOfficer final : public Agent {
     std::size_t next = 1;
     double nearest_m = 0;  ///< minimum distance to the next point so far
     double progress_s = 0;
+    double steered_s = 0;     ///< last order of the Goal Selector
+    double in_traffic_s = 0;  ///< for which it has steered since the last progress, and the watch waited
     std::optional<double> off_since_s;
     bool altitude = false;
   };
@@ -125,6 +127,7 @@ class SafetyOfficer final : public Agent {
   void on_lost(const AgentLost& lost);
   void start(const std::shared_ptr<const MissionPlan>& plan);
   void follow(const FollowOrder& order);
+  void wait_for_traffic();
 
   // Judging (safety_checks.cpp)
   void find(Fault fault, std::string why);
