@@ -56,7 +56,7 @@ struct BodyMatches {
   std::vector<const Obstacle*> reported;  ///< nearest obstacle of each body; null: none
 };
 
-Eigen::AlignedBox2d box_of(const std::vector<Polygon>& parts) {
+Eigen::AlignedBox2d box_around(const std::vector<Polygon>& parts) {
   Eigen::AlignedBox2d box;
   for (const Polygon& part : parts) {
     for (const Vector2d& p : part) box.extend(p);
@@ -70,11 +70,11 @@ BodyMatches match_to_bodies(const Detection& found, const std::vector<std::vecto
   BodyMatches matches;
   matches.reported.resize(plans.size(), nullptr);
   std::vector<Eigen::AlignedBox2d> boxes;
-  for (const std::vector<Polygon>& plan : plans) boxes.push_back(box_of(plan));
+  for (const std::vector<Polygon>& plan : plans) boxes.push_back(box_around(plan));
   for (const Obstacle& o : found.obstacles) {
     ObstaclePiece piece{in_frame(o.outline, X_WL), 0.5 * beam * o.range_m + bin_m + found.cells.cell_m,
                         std::numeric_limits<double>::infinity()};
-    const Eigen::AlignedBox2d box = box_of({piece.outline});
+    const Eigen::AlignedBox2d box = box_around({piece.outline});
     for (std::size_t i = 0; i < plans.size(); ++i) {
       if (boxes[i].exteriorDistance(box) > std::max(piece.tolerance, kAttached_m)) continue;
       const double gap = gap_between(plans[i], piece.outline);

@@ -139,7 +139,7 @@ void write_ring(const std::filesystem::path& file, int open, int duration_s) {
   for (const int heading : {0, 120, -120}) {
     scene << fmt::format(
         "[[sonar]]\npreset = 'oculus_m750d'\nname = 'fan {0}'\nheading_deg = {0}\n"
-        "range_m = 40\nbins = 100\ninterval_s = 0.4\n",
+        "range_m = 30\nbins = 75\ninterval_s = 0.5\n",
         heading);
   }
   constexpr double kFrom = 22, kTo = 7, kSpeed = 0.4;
@@ -157,7 +157,7 @@ void write_ring(const std::filesystem::path& file, int open, int duration_s) {
 TEST(MovingBodies, ThatCloseInAreLeftByTheGapOrTheVehicleStopsAndReports) {
   const auto folder = test::scratch_folder();
   for (const bool shut : {false, true}) {
-    write_ring(folder / "ring.toml", shut ? 0 : 3, shut ? 70 : 100);
+    write_ring(folder / "ring.toml", shut ? 0 : 3, shut ? 62 : 85);
     const auto result = test::isobath({"run", (folder / "ring.toml").string(), "--out", (folder / "out").string(),
                                        "--set", "voxels.sonars=none", "--set", "sphere.keep=false"});
     const auto mission = test::json_of(folder / "out/mission.json");

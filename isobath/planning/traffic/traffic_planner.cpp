@@ -72,9 +72,17 @@ TrafficPlanner::TrafficPlanner(const TrafficConfig& config, const TrafficVehicle
 void TrafficPlanner::set_goal(const Eigen::Vector2d& goal_W, double arrival_m) {
   goal_W_ = goal_W;
   arrival_m_ = arrival_m;
-  plan_.trajectory.segments.clear();
   searched_.reset();
   roads_.set_goal(goal_W, arrival_m);
+  std::optional<DirectMotion> rest;
+  if (!plan_.trajectory.segments.empty() && plan_.action == TrafficAction::kFollow) {
+    rest = direct_motion(vehicle_, plan_.trajectory.at(plan_.free_s), goal_W, arrival_m);
+  }
+  if (rest) {
+    plan_.arrival_s = plan_.free_s + rest->arrival_s;
+  } else {
+    plan_.trajectory.segments.clear();
+  }
 }
 
 bool TrafficPlanner::on_plan(const MotionState& own, Time now) const {

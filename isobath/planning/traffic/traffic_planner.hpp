@@ -92,7 +92,8 @@ class TrafficPlanner {
   /// Throws Error if the minimum speed of the vehicle is not below its maximum speed.
   TrafficPlanner(const TrafficConfig& config, const TrafficVehicle& vehicle);
 
-  /// A vehicle within `arrival_m` of the goal has arrived. Drops the plan.
+  /// A vehicle within `arrival_m` of the goal has arrived. A free plan stays until the next step finds a better one for
+  /// this goal.
   void set_goal(const Eigen::Vector2d& goal_W, double arrival_m);
 
   /// The plan in force from now on. `own` should be on the last plan; it is planned anew if it is off by 0.05 m.
