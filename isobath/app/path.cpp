@@ -62,6 +62,14 @@ nlohmann::ordered_json object_json(const PathOutcome& outcome, const ObjectNear&
   nlohmann::ordered_json json{{"kind", object.kind}, {"name", object.name}, {"distance_m", object.distance_m}};
   add_place(json, outcome, object.north_east);
   json["depth_m"] = object.depth_m;
+  json["shapes"] = nlohmann::ordered_json::array();
+  for (const ShapeReference& shape : object.shapes) {
+    const Eigen::Vector3d& c = shape.centroid;
+    json["shapes"].push_back({{"file", shape.file},
+                              {"volume_m3", shape.volume_m3},
+                              {"holes", shape.holes},
+                              {"centroid_m", {c.x(), c.y(), c.z()}}});
+  }
   return json;
 }
 
@@ -82,6 +90,9 @@ void print_objects(const PathOutcome& outcome, bool listed) {
     const std::string name = object.name.empty() ? "" : " \"" + printable_text(object.name) + "\"";
     fmt::print("{}: {}{}, {:.1f} m from the first point, top at {:.1f} m\n", title, printable_text(object.kind), name,
                object.distance_m, object.depth_m);
+    for (const ShapeReference& shape : object.shapes) {
+      fmt::print("  shape: {}, {:.1f} m3, holes: {}\n", printable_text(shape.file), shape.volume_m3, shape.holes);
+    }
   };
   if (!listed) print("nearest object", *outcome.nearest_object);
   for (const ObjectNear& object : outcome.objects) print("object", object);

@@ -81,7 +81,9 @@ class PathOverMap {
         features_(map_.facts.area) {
     passage_.half_width_m = request.formation.half_width_m(passage_.half_width_m);
     const std::filesystem::path objects = request.map / "objects.sqlite";
-    if (std::filesystem::exists(objects)) features_ = load_features(ObjectStore(objects), map_.facts.area);
+    if (!std::filesystem::exists(objects)) return;
+    store_.emplace(objects);
+    features_ = load_features(*store_, map_.facts.area);
   }
 
   PathOutcome judge() {
@@ -138,13 +140,24 @@ class PathOverMap {
     const Vector2d start = points_.front().head<2>();
     const auto described = [&](const PrQuadtree::Found& found) {
       const MapObject& object = features_.objects[found.id];
-      return ObjectNear{object.kind, object.name, object.p_W.head<2>(), object.p_W.z(), found.distance};
+      return ObjectNear{object.kind,    object.name,    object.p_W.head<2>(),
+                        object.p_W.z(), found.distance, shapes_of(object.id)};
     };
     if (const auto found = features_.points.nearest(start)) outcome.nearest_object = described(*found);
     if (!request_.objects_within_m) return;
     for (const PrQuadtree::Found& found : features_.points.within(start, *request_.objects_within_m)) {
       outcome.objects.push_back(described(found));
     }
+  }
+
+  [[nodiscard]] std::vector<ShapeReference> shapes_of(ObjectId id) const {
+    std::vector<ShapeReference> shapes;
+    for (const std::string& attribute : store_->attributes(id)) {
+      const auto entry = store_->latest(id, attribute);
+      if (!entry) continue;
+      if (const auto* shape = std::get_if<ShapeReference>(&entry->value)) shapes.push_back(*shape);
+    }
+    return shapes;
   }
 
   /// The mission map over the path, with the threats.
@@ -251,7 +264,8 @@ class PathOverMap {
   std::shared_ptr<const DepthSnapshot> depths_;
   WorldSnapshot world_;  ///< with the objects near the path
   Path points_;
-  PassageConfig passage_;  ///< of the whole formation
+  PassageConfig passage_;             ///< of the whole formation
+  std::optional<ObjectStore> store_;  ///< empty: the map has no objects
   MapFeatures features_;
   std::optional<Threats> threats_;
 };

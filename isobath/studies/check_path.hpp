@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <isobath/geometry/geodesy.hpp>
+#include <isobath/map/features/object_store.hpp>
 #include <isobath/planning/area_traversability.hpp>
 #include <isobath/planning/feature_course.hpp>
 #include <isobath/planning/pilot_search.hpp>
@@ -38,8 +39,9 @@ struct ObjectNear {
   std::string kind;
   std::string name;
   Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
-  double depth_m = 0;     ///< of its top; 0 if the map does not say
-  double distance_m = 0;  ///< from the first point
+  double depth_m = 0;                  ///< of its top; 0 if the map does not say
+  double distance_m = 0;               ///< from the first point
+  std::vector<ShapeReference> shapes;  ///< newest of each attribute that holds one, by its name (S1-09)
 };
 
 /// How many vehicles can go abreast.

@@ -78,6 +78,29 @@ TEST_F(MapObjects, APathNamesTheNearestAndAllWithinADistanceAsAListOfAllDoes) {
   }
 }
 
+// A wreck gets the reference to a mesh, which another program stores with the map. The wreck is the nearest one in the
+// tree of the points; by its id the shape is read. ledger: S1-09 S1-20
+TEST_F(MapObjects, APathReachesTheShapeOfTheNearestObject) {
+  const ShapeReference hull{"shapes/hull.ply", 412.5, {1, -2, 3.5}, 2};
+  std::string name, place;
+  {
+    ObjectStore store(map_ / "objects.sqlite");
+    const MapObject wreck = store.find(store.with_any(kChartedObject)).at(7);
+    name = wreck.name;
+    store.put(wreck.id, "hull", {Time{}, ShapeReference{"shapes/older.ply", 1, {0, 0, 0}, 0}});
+    store.put(wreck.id, "hull", {Time(seconds(1)), hull});
+    const Vector2d beside = wreck.p_W.head<2>() + Vector2d(0.01, 0);
+    place = fmt::format("{},{}", beside.x(), beside.y());
+  }
+  const json found = path({place, "--objects-within", "400"});
+  EXPECT_EQ(found["nearest_object"]["name"], name);
+  const json shape{{"file", hull.file}, {"volume_m3", 412.5}, {"holes", 2}, {"centroid_m", {1, -2, 3.5}}};
+  EXPECT_EQ(found["nearest_object"]["shapes"], json::array({shape}));
+  for (std::size_t i = 1; i < found["objects"].size(); ++i) EXPECT_TRUE(found["objects"][i]["shapes"].empty());
+  const ProgramResult told = isobath::test::isobath({"path", map_, "--metres", place});
+  EXPECT_THAT(told.out, testing::HasSubstr("shape: shapes/hull.ply, 412.5 m3, holes: 2\n"));
+}
+
 // ledger: S1-23
 TEST_F(MapObjects, TheNearestLineIsFollowed) {
   for (const Vector2d& start : {Vector2d(3, 4), Vector2d(-150, 90), Vector2d(120, -160)}) {
