@@ -150,6 +150,35 @@ TEST_F(BridgeRuns, TwoFansPlaceABallWithinADegreeAndATenthOfAMetre) {
   EXPECT_NEAR(below, 19 * std::sin(7.5 * std::numbers::pi / 180), 0.4);
 }
 
+// The vertical fan alone, over a flat bed and over one that rises by 1 in 5 ahead: in each metre from 20 to 37 m ahead
+// the occupied voxels below the vehicle lie on the bed, to a voxel on average and to a voxel's diagonal each.
+// ledger: S5-07
+TEST_F(BridgeRuns, TheVerticalFanRecoversTheProfileOfAFlatAndOfASlopedBed) {
+  constexpr double kVoxel = 0.5, kDepth = 12;
+  for (const double rise : {0.0, 0.2}) {
+    const std::string text = fmt::format(
+        "[scene]\ntitle = \"A bed\"\n[water]\nsound_speed = [[0, 1500]]\n[bottom]\nkind = \"terrain\"\n"
+        "material = \"sand\"\ndepth = {}\nrelief_m = 0\ncell_m = 1\nextent_m = 60\nslope = [{}, 0]\n[vehicle]\n"
+        "start = [0, 0, 3]\nspeed = 0.5\n[[waypoint]]\nnorth = 20\ndepth = 3\n[[sonar]]\npreset = \"p450_vertical\"\n",
+        kDepth, -rise);
+    run(scene("bed", text), 4, {"--set", fmt::format("voxels.voxel_m={}", kVoxel)});
+    std::array<std::vector<double>, 17> errors;  // by metre: depth of a voxel less that of the bed below it
+    for (const MappedVoxel& v : mapped_voxels(folder_ / "bed")) {
+      if (v.north < 20 || v.north >= 37 || v.depth < 3) continue;
+      errors[static_cast<std::size_t>(v.north - 20)].push_back(v.depth - (kDepth - rise * v.north));
+    }
+    for (std::size_t metre = 0; metre < errors.size(); ++metre) {
+      ASSERT_FALSE(errors[metre].empty()) << "rise " << rise << ", " << 20 + metre << " m ahead";
+      double sum = 0;
+      for (const double error : errors[metre]) {
+        EXPECT_LE(std::abs(error), kVoxel * std::numbers::sqrt3) << "rise " << rise << ", " << 20 + metre << " m ahead";
+        sum += error;
+      }
+      EXPECT_LE(std::abs(sum / static_cast<double>(errors[metre].size())), kVoxel) << rise << ", metre " << metre;
+    }
+  }
+}
+
 // The first six seconds of the mission. By the rule of the paper, which marks the whole arc of an echo, no way is left
 // and the navigator refuses the point; the rule that knows of the arc finds the passage at 3 s. It loses none of the
 // four pylons beside the passage, nor the berm, and is the likelier map by the truth. ledger: S5-31 S5-35 S5-E14
