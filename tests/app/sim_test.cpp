@@ -102,6 +102,28 @@ TEST(Sim, ARunOfASceneSaysWhatTheTruthIs) {
   EXPECT_THAT(report, AllOf(HasSubstr("Comparison with ground truth"), HasSubstr("<td>buoy B</td>")));
 }
 
+// In the noise of the sea and half a minute: the three heads of the reef, the coral and the marker are heard and found;
+// the last scan, the grid and the detections are pictures. ledger: S6-D04
+TEST(Sim, ARunAlongTheReefMapsIt) {
+  const fs::path out = scratch_folder() / "out";
+  const ProgramResult run =
+      isobath_run(source_folder() / "scenarios/coral_reef.toml", out,
+                  {"--set", "simulation.duration_s=35", "--set", "sphere.keep=false", "--set", "report.replay=false"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto truth = json_of(out / "truth.json");
+  std::vector<std::string> found;
+  for (const auto& body : truth["bodies"]) {
+    if (body["scans_found"] > 0) found.push_back(body["name"]);
+  }
+  EXPECT_THAT(found,
+              testing::UnorderedElementsAre("reef north", "reef east", "reef south", "coral head", "reef marker"));
+  const auto& obstacles = truth["obstacles"];
+  EXPECT_GT(obstacles["of_bodies"].get<int>(), 2 * obstacles["false_alarms"].get<int>());
+  for (const char* picture : {"sonar.png", "occupancy.png", "detections.png"}) {
+    EXPECT_THAT(content_of(out / picture), StartsWith("\x89PNG")) << picture;
+  }
+}
+
 TEST(Sim, TheFormatThatItPrintsIsASceneButForItsFiles) {
   const ProgramResult page = test::isobath({"sim", "--format"});
   EXPECT_EQ(page.exit_code, 0);
