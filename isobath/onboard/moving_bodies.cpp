@@ -14,6 +14,7 @@ constexpr double kProbably = 0.5;   // probability of lying still from which a b
 constexpr double kSignificant = 3;  // standard deviations of the speed, above zero
 constexpr std::size_t kMaxHeads = 16;
 constexpr std::uint32_t kDoubtReadings = 6;  // before that, nothing is known of its motion
+constexpr double kFast = 1.1;                // of the speed that a body hardly exceeds
 constexpr double kHalf = 0.5;
 constexpr double kOften_s = 2;     // between the readings of a body, on average
 constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
@@ -185,6 +186,8 @@ void MovingBodies::judge(const std::optional<Water>& water) {
       body.speed = track.filter.estimate().mean.segment<2>(2).norm();
       body.may_move = may_move(track);
     }
+    // A track that jumps from one body to another is not known to move.
+    body.moves = body.moves && body.speed <= kFast * config_.motion.max_speed;
     if (body.moves) {
       if (!lies_still(track)) body.moved = time_;
       body.moves = to_seconds(time_ - body.moved) < kStopped_s;

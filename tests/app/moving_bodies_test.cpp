@@ -157,7 +157,7 @@ void write_ring(const std::filesystem::path& file, int open, int duration_s) {
 TEST(MovingBodies, ThatCloseInAreLeftByTheGapOrTheVehicleStopsAndReports) {
   const auto folder = test::scratch_folder();
   for (const bool shut : {false, true}) {
-    write_ring(folder / "ring.toml", shut ? 0 : 3, shut ? 62 : 85);
+    write_ring(folder / "ring.toml", shut ? 0 : 3, shut ? 75 : 85);
     const auto result = test::isobath({"run", (folder / "ring.toml").string(), "--out", (folder / "out").string(),
                                        "--set", "voxels.sonars=none", "--set", "sphere.keep=false"});
     const auto mission = test::json_of(folder / "out/mission.json");

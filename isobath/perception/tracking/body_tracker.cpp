@@ -200,6 +200,10 @@ void BodyTracker::merge() {
       older.confirmed = older.confirmed || younger.confirmed;
       older.last = std::max(older.last, younger.last);
       older.merged = younger.number;
+      if (estimates_[j].covariance.trace() < estimates_[i].covariance.trace()) {
+        older.filter = younger.filter;
+        estimates_[i] = estimates_[j];
+      }
       younger.existence = 0;
     }
   }
