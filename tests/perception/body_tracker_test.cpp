@@ -1,4 +1,5 @@
 // Tracks against the bodies whose readings they were given, in clutter.
+#include <algorithm>
 #include <functional>
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
@@ -207,6 +208,21 @@ TEST(BodyTracker, FollowsTwoThatMergeAndPart) {
              nearest_confirmed(tracker, sea.truth(0, 44), 2) != nearest_confirmed(tracker, sea.truth(1, 44), 2);
   }
   EXPECT_GE(right, 18);
+}
+
+// The track that stays says which one it was found to be one body with. ledger: S3-15
+TEST(BodyTracker, SaysWhichTrackWasOfTheSameBody) {
+  const auto beside = [](double sign) {
+    return [sign](double t) -> Vector2d { return {0.8 * t - 20, sign * std::max(0.0, 12 - t)}; };
+  };
+  int said = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Sea sea({beside(1), beside(-1)}, 0.9, 3, seed);
+    BodyTracker tracker(config_for(3), {});
+    for (int k = 0; k <= 30; ++k) tracker.update(at(k), sea.look(k), sea.coverage());
+    said += std::ranges::any_of(tracker.tracks(), [](const BodyTrack& one) { return one.merged > one.number; });
+  }
+  EXPECT_GE(said, 10);
 }
 
 // A correction of the own position moves the tracks, and gives them no velocity. ledger: S3-15
