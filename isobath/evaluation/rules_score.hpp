@@ -28,8 +28,8 @@ struct RulesScore {
   int stand_on = 0, stood_on = 0;            ///< crossing from port, overtaking
 };
 
-/// `track`: of the vehicle, times from the start of the run, which rise by 1 s at most. `targets`: in the order
-/// of the situation, each on a straight path.
+/// `track`: of the vehicle, times from the start of the run, which rise by 1 s at most. `targets`: the bodies of the
+/// situation, in its order; each moves on a straight path.
 RulesScore rules_score(std::span<const TrueMotion> track, std::span<const Body> targets,
                        const EncounterSituation& situation);
 

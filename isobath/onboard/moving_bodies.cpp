@@ -20,8 +20,8 @@ constexpr double kOften_s = 2;     // between the readings of a body, on average
 constexpr double kThinnest = 0.2;  // m: half of the least side of an outline
 constexpr double kEven = 1.732;  // half of a line over the standard deviation of echoes that are spread evenly over it
 constexpr int kCorners = 8;      // of an outline about the ellipse
-// Of the outline by the uncertainty of the position. Bodies out of view mostly keep their velocity; outlines that grow
-// with all that they could do leave no water among many of them.
+// The uncertainty of its position lets an outline grow by at most this. Bodies out of view mostly keep their velocity;
+// outlines that grow with all that they could do leave no water among many of them.
 constexpr double kMostGrowth_m = 1.5;
 // Where the position of a body is less certain, echoes there are those of an obstacle like any other.
 constexpr double kSure_m = 3;
@@ -84,7 +84,7 @@ void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const 
     judge(water);
   }
   boxes_.clear();
-  for_each_moving(kSure_m, [&](const BodyTrack& track) {
+  for_each_moving(std::min(kSure_m, config_.max_sigma_m), [&](const BodyTrack& track) {
     if (!is_heard(track, ping)) return;
     const Place place = place_of(track, ping.time);
     looks.find_bodies([&](const Eigen::Vector2d& p_W) { return place.contains(p_W); }, boxes_);
@@ -94,8 +94,7 @@ void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const 
 MovingBodies::Place MovingBodies::place_of(const BodyTrack& track, Time time) const {
   const MotionFilter::Estimate e = track.filter.estimate();
   const double ahead_s = to_seconds(time - time_);
-  const double sigma = greatest_deviation(e.covariance.topLeftCorner<2, 2>());
-  const double grown = config_.margin_m + kSigmas * std::min(sigma, kSure_m);
+  const double grown = config_.margin_m + kSigmas * std::min(position_sigma(track), kSure_m);
   return {e.mean.head<2>() + ahead_s * e.mean.segment<2>(2),
           kSigmas * kSigmas * track.extent + grown * grown * Eigen::Matrix2d::Identity(), own_W_};
 }
@@ -131,8 +130,7 @@ bool MovingBodies::begins_to_move(const BodyTrack& track, const Body& body, cons
     return false;
   const Place& then = body.trail.front();
   const Eigen::Vector2d now_W = e.mean.head<2>();
-  const bool glint =
-      may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, greatest_deviation(e.covariance.topLeftCorner<2, 2>()));
+  const bool glint = may_be_glint(now_W - then.centre_W, own_W_ - then.own_W, position_sigma(track));
   const Eigen::Vector2d along = velocity.normalized();
   const double half = kSigmas * std::sqrt(std::max(along.dot(track.extent * along), 0.0));
   const Eigen::Vector2d ahead_W = now_W + (half + config_.margin_m + water.grid.cells().cell_m) * along;
@@ -285,7 +283,7 @@ int MovingBodies::withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& de
   int withheld = 0;
   for (const EchoBox& box : boxes_) withheld += withhold_box(ping, box, decisions);
   const Pose X_WS = X_WB * ping.X_BS;
-  for_each_moving(kSure_m, [&](const BodyTrack& track) {
+  for_each_moving(std::min(kSure_m, config_.max_sigma_m), [&](const BodyTrack& track) {
     if (!is_heard(track, ping)) return;
     const Place place = place_of(track, ping.time);
     const Eigen::Matrix2d inverse = place.shape.inverse();

@@ -1,7 +1,7 @@
 // The distance of two sets of points, such as tracks and true bodies (ledger S3-15): OSPA of Schuhmacher, Vo and Vo
-// 2008 (IEEE Trans. Signal Processing 56, 3447-3457), of order 1. The best assignment of the points of one set to those
-// of the other, each pair by its distance up to a cut-off, each point without a partner with the cut-off, over the
-// larger number of both.
+// 2008 (IEEE Trans. Signal Processing 56, 3447-3457), of order 1. The points of one set are assigned to those of the
+// other so that the sum is least: a pair costs its distance, at most the cut-off; a point without a partner costs the
+// cut-off. The distance is this sum over the number of points of the larger set.
 #pragma once
 
 #include <Eigen/Core>

@@ -186,8 +186,9 @@ TrackScore score_nearest(const TrackRequest& request, const PositionTable& table
     tracker.advance(row.time);
     scorer.ask(row, seen_tracks(tracker));
     tracker.take(reading_of(row, request.sigma_m));
-    scorer.judge(row, seen_tracks(tracker));
-    scorer.compare(row.time, seen_tracks(tracker));
+    const std::vector<SeenTrack> seen = seen_tracks(tracker);
+    scorer.judge(row, seen);
+    scorer.compare(row.time, seen);
   }
   return scorer.score();
 }

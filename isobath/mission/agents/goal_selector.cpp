@@ -224,17 +224,17 @@ void GoalSelector::aim() {
 /// A body from astern that would come near, both keeping their velocities; null: none does.
 const MovingBody* GoalSelector::pursuer(Time now) const {
   const Vector2d v_W = here_->v_WB->head<2>();
-  const Vector2d own_W = here_->X_WB.translation.head<2>() + to_seconds(now - here_->time) * v_W;
+  const PlaneMotion own{here_->X_WB.translation.head<2>() + to_seconds(now - here_->time) * v_W, v_W};
   if (!(v_W.norm() > kCourse)) return nullptr;
   for (const MovingBody& body : bodies_) {
     if (config_.planner.rules.on && !(planner_ && planner_->rules().acts_for(body.number))) continue;
-    const Vector2d to = body.p_W + to_seconds(now - body.time) * body.velocity_W - own_W,
-                   closing = v_W - body.velocity_W;
+    const PlaneMotion there{body.p_W + to_seconds(now - body.time) * body.velocity_W, body.velocity_W};
+    const Vector2d to = there.p_W - own.p_W;
     if (to.dot(v_W) > kAstern * to.norm() * v_W.norm()) continue;
-    const double in_s = to.dot(closing) / std::max(closing.squaredNorm(), 1e-9);
-    if (!(in_s > 0 && in_s < config_.planner.search.horizon_s)) continue;
+    const NearestPass nearest = nearest_pass(own, there);
+    if (!(nearest.in_s > 0 && nearest.in_s < config_.planner.search.horizon_s)) continue;
     const double room_m = vehicle_.hull_radius_m + circumscribed_radius(body) + kNear_m;
-    if ((to - in_s * closing).norm() < room_m) return &body;
+    if (nearest.distance_m < room_m) return &body;
   }
   return nullptr;
 }

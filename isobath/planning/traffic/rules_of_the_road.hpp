@@ -102,7 +102,7 @@ class RulesOfTheRoad {
   /// The vehicle now, its velocity on the straight way to its goal, and the valid bodies that it sees.
   void update(const MotionState& own, const Eigen::Vector2d& intended_W, Time now, std::span<const MovingBody> bodies);
 
-  /// Of the last update, by number.
+  /// The roles of the last update, sorted by the body's number.
   [[nodiscard]] std::vector<SteeringDuty> duties() const;
   /// Whether the vehicle keeps course and speed toward this body, which the plan leaves out.
   [[nodiscard]] bool stands_on_for(int number) const;
