@@ -184,17 +184,11 @@ bool ReadingEvidence::explained(const BeamCone& cone, double range_m, double max
 }
 
 void ReadingEvidence::fill_depth(const BeamCone& cone, double range_m, const ReadingContext& context, Evidence& out) {
-  double along = range_m;
-  if (context.bottom_normal_W) {
-    const double c = std::clamp(-context.bottom_normal_W->normalized().dot(cone.axis()), -1.0, 1.0);
-    const double share = first_echo_share(Angle::radians(std::acos(c)), cone.half_angle());
-    if (share > 0) along = range_m / share;
-  }
   out.outcome = Evidence::Outcome::kBottom;
   out.weight = weight(config_.depth_weight, context.count);
   out.margin_m = static_cast<float>(std::max(config_.margin_m, config_.margin_share * range_m));
-  const double radius = along * cone.sin_half_angle() / cone.cos_half_angle();
-  fill_footprint(cone.apex() + along * cone.axis(), cone.axis(), radius, context.window);
+  const double radius = range_m * cone.sin_half_angle() / cone.cos_half_angle();
+  fill_footprint(cone.apex() + range_m * cone.axis(), cone.axis(), radius, context.window);
 }
 
 // S1-54, S1-55, S1-E07: the square around the pixel, or the pixels whose centres lie in the circle or in the ellipse,

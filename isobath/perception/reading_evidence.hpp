@@ -3,7 +3,9 @@
 // applies the evidence.
 //
 // Depth sonar, with its axis within `depth_within` of straight down: kBottom with the observed depth over the footprint
-// around s + R u (S1-54, S1-55). Obstacle sonar, in other directions: over the plan of the cone, kClear if the pixel's
+// around s + R u (S1-54, S1-55). Over a slope the first echo comes from the highest point of the footprint, and the
+// whole footprint gets that depth: with the depth on the axis, its upper side would be mapped deeper than it is
+// (S1-E13). Obstacle sonar, in other directions: over the plan of the cone, kClear if the pixel's
 // slant range is below R, with the depth above which there is only water; beyond R, up to two pixels past the end of
 // the cone, kObstructed with the cone's upper side (S1-57 to S1-63). Without an echo: kClear up to the maximum range
 // (S1-64); for a depth sonar no evidence, because a bottom that is too near gives no echo either.
@@ -75,10 +77,9 @@ std::vector<Field> fields(ReadingEvidenceConfig& config);
 
 /// Context of a reading.
 struct ReadingContext {
-  int count = 1;                                   ///< readings merged into this one (S1-69)
-  std::optional<double> navigation_m;              ///< standard deviation of the position; empty: as configured
-  std::optional<Eigen::Vector3d> bottom_normal_W;  ///< normal of the bottom below, if known: corrects S1-E13
-  const RangePrediction* prediction = nullptr;     ///< prediction of this reading, if there is a map
+  int count = 1;                                ///< readings merged into this one (S1-69)
+  std::optional<double> navigation_m;           ///< standard deviation of the position; empty: as configured
+  const RangePrediction* prediction = nullptr;  ///< prediction of this reading, if there is a map
   PixelWindow window{-(1 << 29), -(1 << 29), 1 << 30, 1 << 30};  ///< no evidence outside
 };
 

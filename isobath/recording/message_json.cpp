@@ -136,6 +136,7 @@ Content content_of(const MotionOrder& m) {
   return {{"version", m.version},
           {"waypoint", m.waypoint},
           {"place", components_of<2>(m.place_W)},
+          {"velocity", components_of<2>(m.velocity_W)},
           {"at_ns", m.at.time_since_epoch().count()}};
 }
 Content content_of(const HelmOrder& m) { return {{"setpoint", setpoint_content(m.setpoint)}}; }

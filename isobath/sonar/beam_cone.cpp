@@ -106,11 +106,4 @@ PlanFootprint plan_footprint(const BeamCone& cone, double range_m, double extens
       4};
 }
 
-double first_echo_share(Angle normal, Angle half_angle) {
-  const double g = std::abs(normal.radians());
-  const double beyond = std::max(g - half_angle.radians(), 0.0);
-  if (beyond >= std::numbers::pi / 2) return 0;
-  return std::max(std::cos(g), 0.0) / std::cos(beyond);
-}
-
 }  // namespace isobath

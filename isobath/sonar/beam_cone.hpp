@@ -1,5 +1,5 @@
 // BeamCone: the circular cone of water that a range reading covers, and its depth interval in each vertical column
-// (Oskard 1990, IV-B; ledger S1-52, S1-57, S1-60, S1-61, S1-65, S1-E08, S1-E13).
+// (Oskard 1990, IV-B; ledger S1-52, S1-57, S1-60, S1-61, S1-65, S1-E08).
 //
 // Frames: world W, north-east-down; columns are (north, east) in W, m. Apex p_WS, unit axis u_W, half-angle a in
 // [0, 90) degrees; depression delta is positive down, azimuth clockwise from north.
@@ -91,9 +91,5 @@ struct PlanFootprint {
 /// extension, with `plan_tangent` for its sides. If the cone contains the vertical, or is so nearly vertical that the
 /// triangle would be much wider than the beam, a rectangle along the azimuth.
 PlanFootprint plan_footprint(const BeamCone& cone, double range_m, double extension_m, double plan_tangent);
-
-/// Range of the first echo of a plane over its distance along the axis, for a normal at angle g to the axis: cos g for
-/// g <= a, cos g / cos(g - a) beyond (S1-E13). 0 if the beam does not reach the plane.
-double first_echo_share(Angle normal, Angle half_angle);
 
 }  // namespace isobath

@@ -184,13 +184,16 @@ PingQuality quality_of(const Ping& ping) {
 }
 
 void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rotation& R_LB, double contrast,
-                    std::vector<Eigen::Vector2d>& out) {
+                    std::vector<Eigen::Vector2d>& out, std::vector<float>& silent_m) {
   out.clear();
+  silent_m.clear();
   const Pose X_LS = Pose{R_LB, Eigen::Vector3d::Zero()} * ping.X_BS;
   const Eigen::Vector3d boresight_L = X_LS.rotation * Eigen::Vector3d::UnitX();
   if (!(std::abs(boresight_L.z()) < kSteep)) return;
   const double least = contrast_of_fan(contrast, decisions.beams());
   for (int b = 0; b < decisions.beams(); ++b) {
+    const std::optional<int> sure = nearest_sure_echo(ping, decisions, b, contrast);
+    silent_m.push_back(static_cast<float>(sure ? ping.window.edge(*sure) : ping.window.end_m()));
     const std::optional<int> bin = nearest_clear_echo(ping, decisions, b, least);
     if (!bin) continue;
     const double azimuth = ping.fan->azimuth[static_cast<std::size_t>(b)].radians();

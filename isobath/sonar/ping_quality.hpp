@@ -56,8 +56,10 @@ double contrast_of_fan(double contrast, int beams);
 /// has, by Rayleigh's law: 6 becomes 7.6 for 512 beams. (Median and deviation are estimated from at most 256 bins; from
 /// 200, the fan has a twentieth of the false echoes of its beams taken singly.) Positions in L at the time of the ping,
 /// x forward, y starboard, m, as if at the height of the sonar. Empty if the sonar points more than 45 degrees up or
-/// down: that is the bottom. Replaces the content of `out`.
+/// down: that is the bottom. Replaces the content of `out`. `silent_m`: for each beam the range up to which it has no
+/// sure echo, at the contrast of one beam; the end of the window if there is none; empty for a sonar that points up or
+/// down.
 void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rotation& R_LB, double contrast,
-                    std::vector<Eigen::Vector2d>& out);
+                    std::vector<Eigen::Vector2d>& out, std::vector<float>& silent_m);
 
 }  // namespace isobath

@@ -9,7 +9,8 @@ VehicleParameters parameters_of(const VehicleModel& model) {
   parameters.hull_radius_m = std::hypot(model.length, model.width) / 2;
   parameters.braking = model.limits.max_acceleration;
   parameters.min_speed = model.autopilot.depth_by == DepthBy::kPitch ? model.autopilot.min_flow : 0;
-  parameters.depth_lag_s = 2 / model.autopilot.depth_bandwidth;  // the gain of its outer loop is half the bandwidth
+  parameters.depth_lag_s = 2 / model.autopilot.depth_bandwidth;      // the gain of its outer loop is half the bandwidth
+  parameters.heading_lag_s = 2 / model.autopilot.heading_bandwidth;  // likewise
   parameters.can_sway = model.thruster_axes(1) > 0 && !model.thrusters.empty();
   parameters.limits = model.limits;
   return parameters;

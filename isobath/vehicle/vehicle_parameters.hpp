@@ -11,6 +11,7 @@ struct VehicleParameters {
   double braking = 0.25;        ///< m/s2, with thrust removed or reversed
   double min_speed = 0;         ///< below it the vehicle does not hold depth or heading, m/s; 0: it can hover
   double depth_lag_s = 4;       ///< by which it follows a depth set-point that moves steadily
+  double heading_lag_s = 2;     ///< by which it follows a heading set-point that turns steadily
   bool can_sway = false;        ///< thrusters move it sideways
   VehicleLimits limits;
 };

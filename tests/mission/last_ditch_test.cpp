@@ -31,6 +31,19 @@ void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 2
   };
 }
 
+/// What a fan of 130 degrees says that is silent up to `range_m`, but for its echoes.
+void fall_silent(SonarEchoes& heard, double range_m = 30) {
+  static const auto fan = even_fan(131, Angle::degrees(130), Angle::degrees(1.5), Angle::degrees(20));
+  heard.fan = fan;
+  for (const Angle azimuth : fan->azimuth) {
+    double silent = range_m;
+    for (const Vector2d& p : heard.echoes_L) {
+      if (std::abs(std::atan2(p.y(), p.x()) - azimuth.radians()) < 0.02) silent = std::min(silent, p.norm());
+    }
+    heard.silent_m.push_back(static_cast<float>(silent));
+  }
+}
+
 double gap(const SafetyStream& stream, const std::vector<Vector2d>& points) {
   double least = kNever;
   for (const Vector2d& p : points) least = std::min(least, (p - stream.place).norm());
@@ -95,6 +108,33 @@ TEST(LastDitch, StopsForShortRanges) {
   EXPECT_EQ(stream.speed, 0);
   EXPECT_GT(60 - stream.place.x() - stream.parameters.hull_radius_m, 0.5);
   EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1);
+}
+
+// An echo on which two pings agree counts until ten pings in three seconds have looked at its place in vain. Hidden
+// behind another echo, out of the sector or of the range, or where it may lie below the beams, it still counts.
+// ledger: S1-44
+TEST(NearEchoes, AreForgottenWhereTheSonarHearsThatTheyAreGone) {
+  const auto lasts_s = [](const Vector2d& place, double silent_m, const std::vector<Vector2d>& others) {
+    NearEchoes echoes;
+    echoes.add({&place, 1}, Pose(), 50, kLimits, 1.0);
+    echoes.add({&place, 1}, Pose(), 50, kLimits, 1.2);
+    double t = 1.2;
+    while (t < 30 && !echoes.confirmed(Pose(), 0.6, kLimits, t).empty()) {
+      t += 0.2;
+      SonarEchoes look;
+      look.echoes_L = others;
+      fall_silent(look, silent_m);
+      echoes.hear_silence(look, kLimits, t);
+    }
+    return t - 1.2;
+  };
+  EXPECT_NEAR(lasts_s({10, 1}, 30, {}), NearEchoes::kSilent_s, 0.21);
+  EXPECT_NEAR(lasts_s({10, 1}, 30, {{5, -4}}), NearEchoes::kSilent_s, 0.21) << "the other one is elsewhere";
+  EXPECT_GT(lasts_s({10, 1}, 30, {{5, 0.5}}), kLimits.memory_s - 0.5) << "hidden";
+  EXPECT_GT(lasts_s({10, 1}, 30, {{10, 2}}), kLimits.memory_s - 0.5) << "it may be the same";
+  EXPECT_GT(lasts_s({10, 1}, 11, {}), kLimits.memory_s - 0.5) << "at the end of the range";
+  EXPECT_GT(lasts_s({-10, 1}, 30, {}), kLimits.memory_s - 0.5) << "astern";
+  EXPECT_GT(lasts_s({4, 0}, 30, {}), kLimits.memory_s - 0.5) << "so near, it may lie below the beams";
 }
 
 // It stands where it stopped, turns to where it is ordered to go, and goes on once that way is free.

@@ -113,7 +113,7 @@ TEST_F(NavigatorTest, LeavesBodiesThatMoveToTheGoalSelectorWhileItSteersPastThem
   EXPECT_TRUE(only<RoutePlanned>(first).empty()) << "the Goal Selector is given the time to begin";
   ASSERT_EQ(only<StillHazards>(first).size(), 1u);
   EXPECT_TRUE(only<StillHazards>(first)[0].hazards->empty()) << "none lies still";
-  script->hear(MotionOrder{1, 0, at(now + 1), {5, 0}, at(now + 3)}, now + 1);
+  script->hear(MotionOrder{1, 0, at(now + 1), {3.5, 0}, {1.5, 0}, at(now + 2)}, now + 1);
   EXPECT_TRUE(only<RoutePlanned>(crossing()).empty());
   EXPECT_EQ(only<RoutePlanned>(crossing()).size(), 1u) << "it does not steer any more";
   EXPECT_GT(way().size(), 2u);

@@ -81,14 +81,14 @@ TEST_F(PilotTest, FollowsAMotionWhileItIsOrdered) {
   at_place(0, 0);
   script->hear(FollowOrder{4, {{100, 0, 2, 1.5}}, {}, false}, now);
   at_place(0, 0);
-  MotionOrder motion{4, 0, at(now), {0, 2}, at(now + 2)};
+  MotionOrder motion{4, 0, at(now), {0, 0}, {0, 1.2}, at(now + 1)};
   script->hear(motion, now);
   at_place(0, 0);
   EXPECT_NEAR(setpoint().heading.degrees(), 90, 1e-6);
-  EXPECT_NEAR(setpoint().speed, 2 / 1.9, 1e-6) << "to be there in time";
+  EXPECT_NEAR(setpoint().speed, 1.2 + 0.1 * 1.2 / PilotConfig().motion_s, 1e-6) << "it is 0.1 s behind";
   EXPECT_NEAR(setpoint().depth, 2, 1e-9) << "of the way-point";
   motion.version = 3;
-  motion.place_W = {0, -2};
+  motion.velocity_W = {0, -1.2};
   script->hear(motion, now);
   at_place(0, 0);
   EXPECT_GT(setpoint().heading.degrees(), 0) << "an order for another route does not count";
@@ -102,7 +102,7 @@ TEST_F(PilotTest, UnderAMotionTheLastWaypointIsPassedWithinItsRadiusOnly) {
   at_place(0, 0);
   script->hear(FollowOrder{1, {{20, 0, 1, 1.5}, {50, 0, 1, 1.5}}, {}, false}, now);
   const auto steered = [&](double north, double east, std::size_t waypoint) {
-    script->hear(MotionOrder{1, waypoint, at(now), {north + 3, east}, at(now + 2)}, now);
+    script->hear(MotionOrder{1, waypoint, at(now), {north, east}, {1.5, 0}, at(now + 1)}, now);
     return only<WaypointPassed>(at_place(north, east));
   };
   const auto skipped = steered(5, 12, 1);

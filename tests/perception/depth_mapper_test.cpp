@@ -354,8 +354,9 @@ TEST(DepthMapper, several_beams_find_the_top_of_a_pole_and_one_does_not) {
     }
     return rig.depth(20.25, 0.1);
   };
-  // From below upwards: where the lower beam speaks last, its agreement with its own bound outweighs the upper one.
-  EXPECT_NEAR(mapped({0, 20, 8}), top, half_height(20.25));
+  for (const std::vector<double>& order : {std::vector<double>{0, 20, 8}, {8, 20, 0}, {20, 8, 0}, {20, 0, 8}}) {
+    EXPECT_NEAR(mapped(order), top, half_height(20.25)) << "the beam at " << order[0] << " deg first";
+  }
   EXPECT_GT(mapped({20}) - top, half_height(20.25));
   EXPECT_EQ(mapped({0}), 30) << "it passes above";
 }

@@ -656,19 +656,18 @@ TEST(ReadingEvidence, RoundFootprintsEqualBruteForce) {
 }
 
 // ledger: S1-E13
-TEST(ReadingEvidence, AKnownSlopeTakesTheBiasOutOfAWideBeam) {
+TEST(ReadingEvidence, OverASlopeNoPixelOfTheFootprintIsDeeperThanTheBottom) {
   const PixelGrid grid;
   ReadingEvidence evidence({}, grid);
-  for (const double slope : {0.0, 2.0, 15.0, 25.0}) {
-    const Vector3d up(std::sin(slope * kDegree), 0, -std::cos(slope * kDegree));
-    // Bottom 20 m below the sonar along the axis; the first echo comes from upslope.
-    const double nearest = std::max(0.0, slope - 10);
-    const RangeReading r = reading(20 * std::cos(slope * kDegree) / std::cos(nearest * kDegree), 90, 20);
-    ReadingContext context;
-    context.bottom_normal_W = up;
-    EXPECT_NEAR(evidence.add_reading(r, at({0, 0, 5}), context).pixels[0].bound_m, 25, 1e-4) << slope;
-    if (slope == 25.0) {
-      EXPECT_LT(evidence.add_reading(r, at({0, 0, 5})).pixels[0].bound_m, 24);
+  const double a = 10 * kDegree, along = 20;  // bottom 20 m below the sonar, along the axis
+  for (const double slope : {0.0, 5.0, 15.0, 25.0}) {
+    const double g = slope * kDegree, range = along * std::cos(g) / std::cos(std::max(0.0, g - a));
+    // The rim of the footprint of a slant range lies a little beyond the cone, and pixels are whole.
+    const double rim =
+        range * (1 - std::cos(a) + (std::tan(a) - std::sin(a)) * std::tan(g)) + grid.pixel_m * std::tan(g);
+    for (const PixelEvidence& e : evidence.add_reading(reading(range, 90, 20), at({0, 0, 5})).pixels) {
+      const double bottom = 5 + along - grid.centre({e.column, e.row}).x() * std::tan(g);
+      EXPECT_LE(e.bound_m, bottom + rim + 1e-4) << slope;
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/world/depth_model.hpp>
+#include <numbers>
 #include <tests/support/straight_helm.hpp>
 
 namespace isobath {
@@ -112,6 +113,44 @@ TEST(RangeMaps, ADepthMapAndASphericalGridOfTheSameReadingsShowTheSameObstacles)
   }
   EXPECT_GT(of_pile, 3);
   EXPECT_GT(of_wall, 3);
+}
+
+/// A pole that reaches from the bottom to mid-water, heard by cones of these depressions, deg, in this order.
+double mapped_top_of_a_pole(const std::vector<double>& depressions, const Vector2d& pole) {
+  std::string scene = fmt::format(R"(
+[scene]
+title = "A pole"
+duration_s = 20
+[vehicle]
+start = [0, 0, 10]
+speed = 0.1
+[bottom]
+kind = "flat"
+depth = 30
+extent_m = 100
+[[cylinder]]
+name = "pole"
+centre = [{}, {}, 21.25]
+radius = 0.4
+length = 17.5
+)",
+                                  pole.x(), pole.y());
+  for (const double depression : depressions) {
+    scene += fmt::format("[[sonar]]\npreset = \"obstacle_cone\"\npitch_deg = {}\n", -depression);
+  }
+  const LastMaps maps = maps_of(scene, 10, 0.1);
+  return maps.depths ? maps.depths->at(maps.depths->grid().at(pole)).depth_m() : 0;
+}
+
+// The beam ahead passes over the pole, those below it meet it. The map has the highest of their bounds, whichever
+// speaks first or last; the steepest beam alone bounds it too low. ledger: S1-67
+TEST(RangeMaps, SeveralBeamsFindTheTopOfAPoleInWhateverOrderTheySpeak) {
+  const double top = 12.5, half_height = 20 * std::tan(5 * std::numbers::pi / 180);
+  const Vector2d pole(20.2, 0.2);
+  for (const std::vector<double>& order : {std::vector<double>{0, 8, 20}, {20, 8, 0}, {8, 20, 0}, {0, 20, 8}}) {
+    EXPECT_NEAR(mapped_top_of_a_pole(order, pole), top, half_height) << "the cone at " << order[0] << " deg first";
+  }
+  EXPECT_GT(mapped_top_of_a_pole({20}, pole), top + half_height);
 }
 
 }  // namespace

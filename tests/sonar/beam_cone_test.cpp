@@ -209,26 +209,5 @@ TEST(BeamCone, RangeToALevelPlaneIsThatOfTheSteepestSide) {
   EXPECT_FALSE(cone_of(5, -4, 3).range_to_level(20));
 }
 
-// ledger: S1-E13
-TEST(BeamCone, FirstEchoOfASlopeIsNearerThanTheAxis) {
-  const auto share = [](double g, double a) { return first_echo_share(Angle::degrees(g), Angle::degrees(a)); };
-  EXPECT_EQ(share(0, 3), 1);
-  EXPECT_NEAR(share(2, 3), std::cos(2 * std::numbers::pi / 180), 1e-12);
-  EXPECT_EQ(share(95, 3), 0);
-  // Against the nearest of many directions of the cone.
-  Random random(13);
-  for (int i = 0; i < 20; ++i) {
-    const double g = random.uniform(0, 60);
-    const double a = random.uniform(1, 25);
-    const Vector3d normal(std::sin(g * std::numbers::pi / 180), 0, std::cos(g * std::numbers::pi / 180));
-    double nearest = 1e9;
-    for (double off = -a; off <= a; off += 0.001) {
-      const Vector3d u(std::sin(off * std::numbers::pi / 180), 0, std::cos(off * std::numbers::pi / 180));
-      nearest = std::min(nearest, normal.z() / normal.dot(u));  // plane through (0, 0, 1)
-    }
-    EXPECT_NEAR(share(g, a), nearest, 1e-4);
-  }
-}
-
 }  // namespace
 }  // namespace isobath

@@ -185,7 +185,8 @@ TEST(NearestEchoes, AreThoseThatStandOutBehindTheBlindZone) {
   for (int k = 0; k < decisions.bins(); ++k) hits += decisions.hit(1, k);
   ASSERT_GT(hits, 0) << "the noise is over the threshold";
   std::vector<Eigen::Vector2d> echoes;
-  nearest_echoes(ping, decisions, Rotation(), 6, echoes);
+  std::vector<float> silent;
+  nearest_echoes(ping, decisions, Rotation(), 6, echoes, silent);
   ASSERT_EQ(echoes.size(), 3u);
   const auto at = [](double range, double bearing_deg) -> Eigen::Vector2d {
     return range * Eigen::Vector2d(std::cos(Angle::degrees(bearing_deg).radians()),
@@ -194,13 +195,17 @@ TEST(NearestEchoes, AreThoseThatStandOutBehindTheBlindZone) {
   EXPECT_NEAR((echoes[0] - at(10, -20)).norm(), 0, 1e-9);
   EXPECT_NEAR((echoes[1] - at(20, 0)).norm(), 0, 1e-9);
   EXPECT_NEAR((echoes[2] - at(15, 10)).norm(), 0, 1e-9);
+  ASSERT_EQ(silent.size(), 5u) << "by beam";
+  EXPECT_NEAR(silent[0], 10, 1e-5);
+  EXPECT_NEAR(silent[2], 20, 1e-5);
+  EXPECT_NEAR(silent[3], 15, 1e-5);
 
   ping.X_BS.rotation = Rotation::from_heading(Angle::degrees(90));
   ping.X_BS.translation = {0.5, 0, 0};
-  nearest_echoes(ping, decisions, Rotation(), 6, echoes);
+  nearest_echoes(ping, decisions, Rotation(), 6, echoes, silent);
   EXPECT_NEAR((echoes[1] - Eigen::Vector2d(0.5, 20)).norm(), 0, 1e-9) << "a sonar that looks to starboard";
   ping.X_BS.rotation = Rotation::from_heading_pitch_roll({}, Angle::degrees(-60), {});
-  nearest_echoes(ping, decisions, Rotation(), 6, echoes);
+  nearest_echoes(ping, decisions, Rotation(), 6, echoes, silent);
   EXPECT_TRUE(echoes.empty()) << "that is the bottom";
 }
 
@@ -213,13 +218,14 @@ TEST(NearestEchoes, OfAWideFanOfNoiseAreFarFewerThanOfItsBeams) {
   for (int b = 0; b < 512; ++b) std::copy_n(everywhere.usable(), everywhere.words(), everywhere.hits(b));
   const Angle step = Angle::degrees(0.25);
   std::vector<Eigen::Vector2d> echoes;
+  std::vector<float> silent;
   std::size_t of_the_fan = 0, of_its_beams = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);
     const auto background = test::rayleigh(0.1);
     const Ping fan = test::ping_of<float>(
         test::fan_of(512, -step * 256, step), kWindow, [&](int, int) { return background(random); }, 1);
-    nearest_echoes(fan, everywhere, Rotation(), 6, echoes);
+    nearest_echoes(fan, everywhere, Rotation(), 6, echoes, silent);
     of_the_fan += echoes.size();
     for (int b = 0; b < 512; ++b) {  // each by itself
       const Ping beam = test::ping_of<float>(
@@ -227,7 +233,7 @@ TEST(NearestEchoes, OfAWideFanOfNoiseAreFarFewerThanOfItsBeams) {
       EchoDecisions one;
       one.reset(1, kWindow.bins);
       std::copy_n(one.usable(), one.words(), one.hits(0));
-      nearest_echoes(beam, one, Rotation(), 6, echoes);
+      nearest_echoes(beam, one, Rotation(), 6, echoes, silent);
       of_its_beams += echoes.size();
     }
   }

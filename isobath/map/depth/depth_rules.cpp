@@ -13,6 +13,8 @@ std::vector<Field> fields(DepthRules& c) {
       Field::integer("threshold", &c.threshold, {1, kFullConfidence}, "5 %",
                      "A depth is replaced when its confidence falls below this."),
       Field::flag("refine", &c.refine, "Agreeing soundings move the depth by their share; false: as published."),
+      Field::flag("tighten", &c.tighten,
+                  "A higher bound of a forward sonar replaces a lower one at once; false: as published."),
   };
 }
 

@@ -8,6 +8,10 @@
 // unsure: its confidence lies below the threshold, no path may rely on its depth, and the first reading that counts
 // replaces it. Of two such readings the shallower one stands.
 //
+// Depths from forward sonars alone are bounds: an object reaches at least up to them. A higher bound does not
+// contradict a lower one, so with `tighten` it replaces it at once, with the confidence of a new depth (S1-67). By the
+// published rule each echo of a lower beam would affirm the lower bound, and the map would never hold the higher one.
+//
 // A new depth replaces the old one after floor((c0 - threshold) / step) + 1 conflicting readings, where c0 is the
 // confidence at the start; a fully confirmed depth is replaced after full - threshold + 1 readings at a step of one.
 #pragma once
@@ -25,6 +29,7 @@ struct DepthRules {
   int base_sensor = 6;  ///< confidence of a depth that a sensor has just replaced
   int threshold = 2;    ///< a depth is replaced when its confidence falls below this
   bool refine = false;  ///< agreeing depth soundings move the depth by step / (confidence + step) of the difference
+  bool tighten = true;  ///< a higher bound of a forward sonar replaces a lower one at once; false: as published
 
   /// Whether no reading that counts stands behind the depth of a known pixel.
   [[nodiscard]] bool unsure(const DepthPixel& pixel) const { return pixel.confidence() < threshold; }
@@ -84,7 +89,9 @@ inline Verdict apply(DepthPixel& pixel, const PixelReading& reading, const Depth
     return verdict;
   }
   const int fallen = std::max(confidence - reading.step, 0);
-  if (pixel.known() && fallen >= rules.threshold) {
+  const bool tightens = rules.tighten && reading.claim == Claim::kAtMost && pixel.has(kSensed) &&
+                        pixel.has(kSeenByObstacle) && !pixel.has(kSeenByDepth);
+  if (pixel.known() && fallen >= rules.threshold && !tightens) {
     pixel.state_word = DepthPixel::word_of_state(fallen, pixel.flags(), reading.minute);
     return verdict;
   }

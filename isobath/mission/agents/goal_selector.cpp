@@ -76,7 +76,6 @@ std::vector<Field> fields(GoalSelectorConfig& c) {
       Field::flag("on", &c.on, "Whether motions past moving bodies are planned in time."),
       Field::real("track_m", &c.track_m, {0.05, 100}, "m",
                   "Distance from the plan at which it is made anew from the vehicle's place."),
-      Field::real("lead_s", &c.lead_s, {0.2, 30}, "s", "Time ahead on the plan that the vehicle steers for."),
       Field::real("max_growth_m", &c.max_growth_m, {0, 1000}, "m",
                   "The uncertainty of its velocity lets a body grow by at most this within the horizon."),
       Field::real("turn_reserve", &c.turn_reserve, {1, 10}, "1", "Turning radius of a plan, in that of the vehicle."),
@@ -280,8 +279,11 @@ void GoalSelector::tick(Time now, Outbox& out) {
   bodies_.insert(bodies_.end(), still_->bodies.begin(), still_->bodies.end());
   const TrafficPlan& plan = planner_->step(own_state(now), now, bodies_);
   if (plan.action == TrafficAction::kRefuse) return;
-  const Time at = now + seconds(config_.lead_s);
-  out.say(MotionOrder{order_.version, waypoint_, now, plan.trajectory.at(to_seconds(at - plan.start)).p_W, at});
+  const Time at = now + seconds(vehicle_.heading_lag_s);
+  const MotionState here = plan.trajectory.at(to_seconds(now - plan.start)),
+                    there = plan.trajectory.at(to_seconds(at - plan.start));
+  const Vector2d velocity_W = there.speed * Vector2d(std::cos(there.heading), std::sin(there.heading));
+  out.say(MotionOrder{order_.version, waypoint_, now, here.p_W, velocity_W, at});
   tell(now, out);
   tell_rules(now, out);
 }

@@ -47,7 +47,6 @@ namespace isobath {
 struct GoalSelectorConfig {
   bool on = true;
   double track_m = 0.6;
-  double lead_s = 2;
   double turn_reserve = 1.2;
   double max_growth_m = 1;
   double pursued_speed = 1.3;  ///< of the speed of the order, as far as the vehicle can

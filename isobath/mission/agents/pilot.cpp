@@ -13,6 +13,8 @@ std::vector<Field> fields(PilotConfig& c) {
                   "Distance within which a mission point is reached."),
       Field::real("hold_speed", &c.hold_speed, {0.01, 10}, "m/s", "Maximum speed for holding a position."),
       Field::real("silent_s", &c.silent_s, {0.1, 3600}, "s", "Without navigation for this long the vehicle stops."),
+      Field::real("motion_s", &c.motion_s, {0.1, 60}, "s",
+                  "Time in which an error of place is made good on a motion past bodies that move."),
   };
 }
 
@@ -117,10 +119,10 @@ Setpoint Pilot::follow(double dt, Time now, Outbox& out) {
   return station_.step(here_->X_WB, here_->v_WB, dt);
 }
 
-// To be at the place at the time, with the present drift. A place behind the vehicle, which it has passed too early,
-// makes it slow down.
+// The velocity of the motion, as it will be when the heading has followed, and back to its place, with the present
+// drift. A vehicle that is ahead of the motion slows down.
 Setpoint Pilot::follow_motion(Time now, Outbox& out) {
-  constexpr double kShortest_s = 0.5, kStanding = 0.1;
+  constexpr double kStanding = 0.1;
   const std::vector<Waypoint>& all = order_.waypoints;
   const std::size_t last = all.size() - 1;
   const auto place_of = [](const Waypoint& w) { return Vector2d(w.north, w.east); };
@@ -134,7 +136,8 @@ Setpoint Pilot::follow_motion(Time now, Outbox& out) {
   const Waypoint& goal = all[told_];
   const Angle heading = here_->X_WB.rotation.heading();
   Setpoint wanted{heading, goal.depth, vehicle_.min_speed, 0};
-  const Vector2d v_W = (motion_->place_W - here) / std::max(kShortest_s, to_seconds(motion_->at - now));
+  const Vector2d place = motion_->place_W + to_seconds(now - motion_->time) * motion_->velocity_W;
+  const Vector2d v_W = motion_->velocity_W + (place - here) / config_.motion_s;
   if (v_W.norm() > kStanding && v_W.dot(Vector2d(cos(heading), sin(heading))) > -kStanding) {
     wanted.speed = std::clamp(v_W.norm(), vehicle_.min_speed, std::max(goal.speed, vehicle_.min_speed));
     wanted.heading = (Angle::radians(std::atan2(v_W.y(), v_W.x())) - drift_.crab(heading, wanted.speed)).wrapped();

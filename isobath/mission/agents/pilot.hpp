@@ -10,8 +10,9 @@
 // last way-point the Pilot holds it; on an empty order it holds the place where the vehicle can come to rest. Without
 // navigation for `silent_s` the vehicle stops; without an Executive Officer it surfaces.
 //
-// While the Goal Selector orders a motion, the Pilot steers for the place and time of the order instead of the line to
-// the way-point. The last way-point is then passed only within its radius; afterwards the line starts where it is.
+// While the Goal Selector orders a motion, the Pilot keeps to its place and velocity instead of the line to the
+// way-point, and makes good an error of place in `motion_s`. The last way-point is then passed only within its radius;
+// afterwards the line starts where it is.
 //
 // The Navigator avoids obstacles, and the Safety Officer decides whether an order is safe; the Pilot does neither.
 #pragma once
@@ -26,6 +27,7 @@ struct PilotConfig {
   double point_radius = 5;
   double hold_speed = 0.5;
   double silent_s = 3;
+  double motion_s = 2.5;
 };
 
 std::vector<Field> fields(PilotConfig& config);

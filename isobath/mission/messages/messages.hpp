@@ -12,6 +12,7 @@
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/planning/hazard_map.hpp>
 #include <isobath/planning/world_snapshot.hpp>
+#include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/health.hpp>
@@ -82,6 +83,10 @@ struct SonarEchoes {
   Pose X_WL;                              ///< at the instant of the ping; the frame of the echoes
   double blanking_m = 0;                  ///< blanking distance: the sonar receives no nearer echoes
   std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
+  std::shared_ptr<const BeamFan> fan;     ///< of `silent_m`; null: nothing is said of silence
+  Eigen::Vector2d sonar_L = Eigen::Vector2d::Zero();  ///< where the sonar is
+  Angle boresight_L;                                  ///< from which the azimuths of the fan count
+  std::vector<float> silent_m;                        ///< by beam: the range up to which nothing stands out
 };
 
 // From the operator --------------------------------------------------------------------------------------------------
@@ -176,16 +181,17 @@ struct StillHazards {
   std::shared_ptr<const std::vector<Hazard>> hazards;
 };
 
-/// Goal Selector -> Pilot, Navigator: where the vehicle should be at a time, past bodies that move. The Pilot follows
-/// it instead of the legs between the way-points of its FollowOrder, the Navigator leaves these bodies to the Goal
-/// Selector, both while the last order is younger than kLasts.
+/// Goal Selector -> Pilot, Navigator: the motion past bodies that move. The Pilot follows it instead of the legs
+/// between the way-points of its FollowOrder, the Navigator leaves these bodies to the Goal Selector, both while the
+/// last order is younger than kLasts.
 struct MotionOrder {
   static constexpr Duration kLasts = std::chrono::milliseconds(500);
-  std::uint32_t version = 0;  ///< of the FollowOrder
-  std::size_t waypoint = 0;   ///< that the motion leads to; those before it count as passed
-  Time time;                  ///< of the order
-  Eigen::Vector2d place_W = Eigen::Vector2d::Zero();
-  Time at;  ///< when it should be there
+  std::uint32_t version = 0;                             ///< of the FollowOrder
+  std::size_t waypoint = 0;                              ///< that the motion leads to; those before it count as passed
+  Time time;                                             ///< of the order
+  Eigen::Vector2d place_W = Eigen::Vector2d::Zero();     ///< where it should be at that time
+  Eigen::Vector2d velocity_W = Eigen::Vector2d::Zero();  ///< over ground, that it should have at `at`
+  Time at;                                               ///< later than `time` by the lag of the vehicle's heading
 };
 
 /// Pilot -> Executive Officer.

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/base/angle.hpp>
 #include <isobath/mission/safety/near_echoes.hpp>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -10,6 +12,26 @@ namespace {
 constexpr std::int64_t kCellsAcross = 3;  // per `confirm_m`: the places of echoes must be resolved finer than that
 constexpr double kFarthest = 1e8;         // m from the origin: farther places are invalid
 constexpr double kStraight = 1e-6;        // 1/m
+constexpr double kBeamHigh_m = 1;         // above and below its axis: where a beam is as high, it looks at an echo
+
+/// Whether the beams that look at a place, and those within `apart_m` of it, were silent up to `apart_m` beyond it.
+bool is_silent(const SonarEchoes& look, const Eigen::Vector2d& place_L, double apart_m) {
+  const Eigen::Vector2d way = place_L - look.sonar_L;
+  const double range = way.norm();
+  if (!(range > look.blanking_m && range * std::tan(0.5 * look.fan->height.radians()) > kBeamHigh_m)) return false;
+  const double azimuth = (Angle::radians(std::atan2(way.y(), way.x())) - look.boresight_L).wrapped().radians();
+  const double aside = std::asin(std::min(1.0, apart_m / range));
+  const std::vector<Angle>& beams = look.fan->azimuth;
+  bool looked = false;
+  const auto after = [](double value, Angle angle) { return value < angle.radians(); };
+  auto beam = std::upper_bound(beams.begin(), beams.end(), azimuth - aside, after);
+  for (; beam != beams.end() && beam->radians() < azimuth + aside; ++beam) {
+    const auto b = static_cast<std::size_t>(beam - beams.begin());
+    if (static_cast<double>(look.silent_m[b]) < range + apart_m) return false;
+    looked = looked || std::abs(beam->radians() - azimuth) <= 0.5 * look.fan->width[b].radians();
+  }
+  return looked;
+}
 
 }  // namespace
 
@@ -32,7 +54,7 @@ void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL
 void NearEchoes::put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s) {
   const Key key{static_cast<std::int64_t>(std::floor(place_W.x() / cell_m_)),
                 static_cast<std::int64_t>(std::floor(place_W.y() / cell_m_))};
-  Echo echo{place_W, now_s, now_s, false};
+  Echo echo{place_W, now_s, now_s};
   for (std::int64_t i = key.first - kCellsAcross; i <= key.first + kCellsAcross; ++i) {
     const Key last{i, key.second + kCellsAcross};
     for (auto other = cells_.lower_bound({i, key.second - kCellsAcross}); other != cells_.end(); ++other) {
@@ -46,6 +68,20 @@ void NearEchoes::put(const Eigen::Vector2d& place_W, const SafetyConfig& config,
   const auto known = cells_.find(key);
   if (known != cells_.end()) echo.confirmed = echo.confirmed || known->second.confirmed;
   cells_[key] = echo;
+}
+
+void NearEchoes::hear_silence(const SonarEchoes& look, const SafetyConfig& config, double now_s) {
+  const bool valid = look.fan && look.fan->width.size() == look.silent_m.size() &&
+                     look.fan->azimuth.size() == look.silent_m.size() && look.X_WL.is_finite();
+  if (!valid) return;
+  const Pose X_LW = look.X_WL.inverse();
+  for (auto cell = cells_.begin(); cell != cells_.end();) {
+    Echo& echo = cell->second;
+    const Eigen::Vector3d place_W(echo.place_W.x(), echo.place_W.y(), look.X_WL.translation.z());
+    if (is_silent(look, (X_LW * place_W).head<2>(), config.confirm_m)) ++echo.silent_looks;
+    const bool gone = echo.silent_looks >= kSilentLooks && now_s - echo.heard_s >= kSilent_s;
+    cell = gone ? cells_.erase(cell) : std::next(cell);
+  }
 }
 
 void NearEchoes::shift(const Eigen::Vector2d& by_W) {

@@ -7,6 +7,11 @@
 // age: an obstacle does not vanish because the sonar is blind to it. Callers add only echoes that stand out: the rate
 // of false confirmed echoes grows with the square of the false-alarm rate.
 //
+// An echo is forgotten sooner where the sonar looks and hears nothing: after kSilentLooks pings and kSilent_s in which
+// the beams that look there, and all beams within `confirm_m` of it, were silent up to `confirm_m` beyond it. So what
+// has moved on, or was noise, does not close the water that it has left. What lies behind another echo, nearer than the
+// blanking distance, or so near that it may be above or below the beams, is not looked at.
+//
 // World-fixed; `shift` moves the echoes when navigation corrects itself. One thread; at most kMax cells, the oldest
 // are removed first.
 #pragma once
@@ -14,6 +19,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/geometry/pose.hpp>
+#include <isobath/mission/messages/messages.hpp>
 #include <isobath/mission/safety/safety_config.hpp>
 #include <map>
 #include <span>
@@ -32,10 +38,14 @@ struct NearEcho {
 class NearEchoes {
  public:
   static constexpr std::size_t kMax = 8192;
+  static constexpr int kSilentLooks = 10;
+  static constexpr double kSilent_s = 3;
 
   /// Echoes of one ping, in L of its instant. Those that are not finite or beyond `reach_m` are left out.
   void add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
            double now_s);
+  /// Forgets what is gone by the silence of a ping.
+  void hear_silence(const SonarEchoes& look, const SafetyConfig& config, double now_s);
   /// Moves all echoes, after navigation has corrected itself.
   void shift(const Eigen::Vector2d& by_W);
   void clear() { cells_.clear(); }
@@ -52,6 +62,7 @@ class NearEchoes {
     double heard_s = 0;
     double counts_s = 0;  ///< when last received, or nearer than the blanking distance
     bool confirmed = false;
+    int silent_looks = 0;  ///< since last received
   };
   void put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s);
   void forget(double before_s);

@@ -186,6 +186,7 @@ void SafetyOfficer::on_echoes(const SonarEchoes& echoes, Time now) {
   if (std::isfinite(echoes.blanking_m)) blanking_m_ = echoes.blanking_m;
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
   echoes_.add(echoes.echoes_L, echoes.X_WL, reach, config_, clock_s_);
+  echoes_.hear_silence(echoes, config_, clock_s_);
 }
 
 void SafetyOfficer::on_range(const RangeReading& reading, Time now) {

@@ -28,7 +28,11 @@ std::optional<SonarEchoes> echoes_of(const Ping& ping, const EchoDecisions& deci
   echoes.time = ping.time;
   echoes.X_WL = level(X_WB);
   echoes.blanking_m = ping.window.edge(first);
-  nearest_echoes(ping, decisions, echoes.X_WL.rotation.inverse() * X_WB.rotation, contrast, echoes.echoes_L);
+  const Rotation R_LB = echoes.X_WL.rotation.inverse() * X_WB.rotation;
+  nearest_echoes(ping, decisions, R_LB, contrast, echoes.echoes_L, echoes.silent_m);
+  echoes.fan = ping.fan;
+  echoes.sonar_L = (R_LB * ping.X_BS.translation).head<2>();
+  echoes.boresight_L = (R_LB * ping.X_BS.rotation).heading();
   return echoes;
 }
 
