@@ -142,6 +142,7 @@ void check_paths(const CLI::App& command) {
     }
   }
   for (const auto& [path, option] : outputs) check_output_is_no_input(path, inputs, option);
+  protect_inputs(inputs);
 }
 
 void make_parent(const std::filesystem::path& file) {

@@ -6,6 +6,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/nearest_name.hpp>
+#include <mutex>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -96,6 +97,9 @@ std::string another(const std::string& option) {
   return option.starts_with("-") ? "choose another with " + option : "choose another " + option;
 }
 
+std::mutex protected_lock;
+std::vector<fs::path> protected_files;
+
 }  // namespace
 
 std::string nearest_file(const fs::path& file) {
@@ -168,6 +172,16 @@ void check_output_is_no_input(const fs::path& output, const std::vector<fs::path
     const std::string same = input == output ? "" : fmt::format(" (it is the same file as {})", input.string());
     throw Error("is an input, which would be overwritten" + same, {output.string()}, "", another(option));
   }
+}
+
+void protect_inputs(const std::vector<fs::path>& files) {
+  const std::scoped_lock held(protected_lock);
+  protected_files.insert(protected_files.end(), files.begin(), files.end());
+}
+
+void check_is_not_protected(const fs::path& output) {
+  const std::scoped_lock held(protected_lock);
+  check_output_is_no_input(output, protected_files, "--out");
 }
 
 std::vector<fs::path> regular_files(const fs::path& folder) {

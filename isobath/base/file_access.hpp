@@ -27,6 +27,11 @@ void check_output_file(const std::filesystem::path& file, const std::string& opt
 /// link. `option` as above.
 void check_output_is_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
                               const std::string& option);
+/// From now on PendingFile, with which all results are written, replaces none of these files. A command protects what
+/// it was given: the names of its results are not known beforehand.
+void protect_inputs(const std::vector<std::filesystem::path>& files);
+/// Throws Error if the file is protected, under whatever name and through whatever link.
+void check_is_not_protected(const std::filesystem::path& output);
 /// The files that lie in a folder, sorted; none if it cannot be listed.
 std::vector<std::filesystem::path> regular_files(const std::filesystem::path& folder);
 /// The input itself, and for a folder the files that lie in it, sorted.

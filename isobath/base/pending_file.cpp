@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <unistd.h>
 
@@ -41,7 +42,9 @@ fs::path free_name_beside(const fs::path& place) {
 }  // namespace
 
 PendingFile::PendingFile(const fs::path& file)
-    : place_(behind_links(file)), beside_(written_in_place(place_) ? place_ : free_name_beside(place_)) {}
+    : place_(behind_links(file)), beside_(written_in_place(place_) ? place_ : free_name_beside(place_)) {
+  check_is_not_protected(place_);
+}
 
 PendingFile::~PendingFile() {
   std::error_code ignored;

@@ -6,7 +6,8 @@
 //   pending.complete();
 //
 // Through a link the file that it names is replaced, not the link. What is no plain file (a device, a pipe), and a file
-// in a folder in which nothing can be made, is written in its place. A program that is killed leaves the file beside:
+// in a folder in which nothing can be made, is written in its place. An input of the command (file_access.hpp,
+// protect_inputs) is not replaced. A program that is killed leaves the file beside:
 // NAME.<number of the process>.part.
 #pragma once
 
@@ -19,6 +20,7 @@ namespace isobath {
 
 class PendingFile {
  public:
+  /// Throws Error for a protected input.
   explicit PendingFile(const std::filesystem::path& file);
   /// Removes the file beside, unless it is complete.
   ~PendingFile();

@@ -1,14 +1,18 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <isobath/evaluation/baseline_helms.hpp>
+#include <isobath/geometry/polygon.hpp>
+#include <limits>
 
 namespace isobath {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kScans = 3;
+constexpr std::size_t kAvoided = 3;     ///< scans whose confirmed echoes are avoided
+constexpr int kLevels = 128;            ///< of a histogram
 constexpr double kMinSpeedShare = 0.3;  // of PotentialFieldHelm: a vehicle with fins needs flow to steer
 
 GuidanceConfig guidance_for(const VehicleParameters& vehicle) {
@@ -151,6 +155,31 @@ void ImageThresholdHelm::on_ping(const PosedPing& posed) {
   bin_m_ = ping.window.bin_m;
 }
 
+float threshold_between_modes(std::span<const float> samples) {
+  const float most = samples.empty() ? 0 : *std::ranges::max_element(samples);
+  if (!(most > 0) || !std::isfinite(most)) return std::numeric_limits<float>::infinity();
+  std::vector<double> counts(kLevels), smooth(kLevels);
+  for (const float sample : samples) {
+    const auto level = static_cast<int>(kLevels * std::max(0.0F, sample) / most);
+    ++counts[static_cast<std::size_t>(std::min(level, kLevels - 1))];
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    smooth[i] = (counts[i == 0 ? 0 : i - 1] + 2 * counts[i] + counts[std::min(i + 1, counts.size() - 1)]) / 4;
+  }
+  std::vector<std::size_t> modes;
+  for (std::size_t i = 0; i < smooth.size(); ++i) {
+    const bool rises = i == 0 || smooth[i] > smooth[i - 1],
+               falls = i + 1 == smooth.size() || smooth[i] >= smooth[i + 1];
+    if (rises && falls && smooth[i] > 0) modes.push_back(i);
+  }
+  if (modes.size() < 2) return std::numeric_limits<float>::infinity();
+  std::ranges::partial_sort(modes, modes.begin() + 2, std::greater{}, [&](std::size_t i) { return smooth[i]; });
+  const auto [low, high] = std::minmax(modes[0], modes[1]);
+  const auto valley = std::min_element(smooth.begin() + static_cast<std::ptrdiff_t>(low),
+                                       smooth.begin() + static_cast<std::ptrdiff_t>(high));
+  return most * static_cast<float>(valley - smooth.begin()) / kLevels;
+}
+
 ImageThresholdHelm::Points ImageThresholdHelm::echoes() const {
   float most = 0;
   const auto for_each = [this](const auto& take) {
@@ -162,8 +191,13 @@ ImageThresholdHelm::Points ImageThresholdHelm::echoes() const {
   };
   for_each([&most](const Beam&, int, float value) { most = std::max(most, value); });
   Points points;
-  const auto least = static_cast<float>(config_.share) * most;
   if (most <= 0) return points;
+  auto least = static_cast<float>(config_.share) * most;
+  if (config_.threshold == ImageThreshold::kBetweenModes) {
+    std::vector<float> samples;
+    for_each([&samples](const Beam&, int, float value) { samples.push_back(value); });
+    least = threshold_between_modes(samples);
+  }
   for_each([&](const Beam& beam, int k, float value) {
     if (value < least) return;
     const double r = beam.window.centre(k);
@@ -172,21 +206,51 @@ ImageThresholdHelm::Points ImageThresholdHelm::echoes() const {
   return points;
 }
 
-void ImageThresholdHelm::on_scan(const ScanResult&) {
+std::vector<Obstacle> ImageThresholdHelm::obstacles_at(const Pose& X_WL) const {
+  const Pose X_LW = X_WL.inverse();
+  Points left = believed_.back();
+  std::vector<Obstacle> obstacles;
+  while (!left.empty()) {
+    Points group{left.back()};
+    left.pop_back();
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const auto near = std::ranges::partition(
+          left, [&](const Vector2d& p) { return (p - group[i]).squaredNorm() > config_.same_m * config_.same_m; });
+      group.insert(group.end(), near.begin(), near.end());
+      left.erase(near.begin(), near.end());
+    }
+    for (Vector2d& p : group) p = (X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>();
+    Obstacle& one = obstacles.emplace_back();
+    one.centre = Vector2d::Zero();
+    for (const Vector2d& p : group) one.centre += p / static_cast<double>(group.size());
+    one.covariance = Eigen::Matrix2d::Zero();
+    one.outline = convex_hull(group);
+    one.nearest = nearest_point(one.outline, Vector2d::Zero());
+    one.range_m = one.nearest.norm();
+    one.bearing = Angle::radians(std::atan2(one.nearest.y(), one.nearest.x())).wrapped_positive();
+    one.existence = 1;
+    one.hits = static_cast<std::uint32_t>(group.size());
+    one.number = static_cast<int>(obstacles.size());
+  }
+  return obstacles;
+}
+
+void ImageThresholdHelm::on_scan(const ScanResult& result) {
   Points points = echoes();
   scan_.clear();
   Points believed;
-  if (echoes_.size() + 1 >= kScans) {
+  if (echoes_.size() + 1 >= config_.scans) {
     for (const Vector2d& p : points) {
-      const bool before = std::all_of(echoes_.end() - (kScans - 1), echoes_.end(),
+      const bool before = std::all_of(echoes_.end() - static_cast<std::ptrdiff_t>(config_.scans - 1), echoes_.end(),
                                       [&](const Points& scan) { return any_within(scan, p, config_.same_m); });
       if (before && !any_within(believed, p, bin_m_)) believed.push_back(p);
     }
   }
   echoes_.push_back(std::move(points));
   believed_.push_back(std::move(believed));
-  if (echoes_.size() > kScans) echoes_.pop_front();
-  if (believed_.size() > kScans) believed_.pop_front();
+  if (echoes_.size() >= config_.scans) echoes_.pop_front();
+  if (believed_.size() > kAvoided) believed_.pop_front();
+  found_ = obstacles_at(level(result.detection.X_WB));
   if (progress().phase == MissionPhase::kUnderWay) replan();
 }
 

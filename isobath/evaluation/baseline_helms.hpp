@@ -9,10 +9,12 @@
 //                       from the hull, eta such that it balances the attraction at the clearance. The helm steers along
 //                       the sum, and more slowly the further its heading is from it. Known to be trapped by concave
 //                       obstacles.
-// ImageThresholdHelm    detects samples of a scan at 75 % of its maximum and above (ledger S6-62; Ganesan 2015, 2.1). A
-//                       sample is confirmed if each of the two scans before had one within `same_m`; there is no grid.
-//                       The route planner of the agents avoids the echoes confirmed in the last three scans. Without a
-//                       route the vehicle stops, and gives up after `patience_s`.
+// ImageThresholdHelm    detects the samples of a scan above a threshold (ledger S6-62; Ganesan 2015, 2.1): 75 % of its
+//                       maximum, or the least frequent level between the two highest modes of its histogram. A sample
+//                       is confirmed if each of the scans before, `scans` with its own, had one within `same_m`; there
+//                       is no grid. The route planner of the agents avoids the echoes confirmed in the last three
+//                       scans. Without a route the vehicle stops, and gives up after `patience_s`. Its confirmed echoes
+//                       are what is scored as its obstacles, those within `same_m` of each other as one.
 //
 // Each is a function of its inputs. Where a method differs from the agents', its source is named above.
 #pragma once
@@ -24,6 +26,7 @@
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/vehicle_parameters.hpp>
 #include <optional>
+#include <span>
 
 namespace isobath {
 
@@ -93,9 +96,17 @@ class PotentialFieldHelm : public LineOfSightHelm {
   std::vector<Polygon> outlines_;  ///< in W
 };
 
+enum class ImageThreshold : std::uint8_t { kShareOfMaximum, kBetweenModes };
+
+/// The level between the two highest modes of a histogram of 128 levels from 0 to the largest sample, each smoothed
+/// with its neighbours; infinite where there are no two modes.
+float threshold_between_modes(std::span<const float> samples);
+
 struct ImageThresholdConfig {
-  double share = 0.75;  ///< of the scan's maximum
-  double same_m = 1.5;  ///< echoes of two scans this near belong to the same object
+  ImageThreshold threshold = ImageThreshold::kShareOfMaximum;
+  double share = 0.75;    ///< of the scan's maximum
+  std::size_t scans = 3;  ///< that confirm an echo
+  double same_m = 1.5;    ///< echoes of two scans this near belong to the same object
   double patience_s = 60;
   RouteConfig route;
 };
@@ -107,6 +118,7 @@ class ImageThresholdHelm : public LineOfSightHelm {
   void on_scan(const ScanResult& scan) override;
   /// Confirmed echoes of the last scan, in W.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& believed() const { return believed_.back(); }
+  [[nodiscard]] const std::vector<Obstacle>* own_obstacles() const override { return &found_; }
 
  protected:
   Setpoint decide(const Setpoint& wanted) override;
@@ -121,6 +133,8 @@ class ImageThresholdHelm : public LineOfSightHelm {
     Angle azimuth;
   };
   [[nodiscard]] Points echoes() const;
+  /// The confirmed echoes of the last scan as obstacles, in L at this pose.
+  [[nodiscard]] std::vector<Obstacle> obstacles_at(const Pose& X_WL) const;
   void replan();
 
   ImageThresholdConfig config_;
@@ -128,6 +142,7 @@ class ImageThresholdHelm : public LineOfSightHelm {
   double bin_m_ = 0;
   std::deque<Points> echoes_;    ///< detected in the last three scans
   std::deque<Points> believed_;  ///< confirmed in the last three, never empty
+  std::vector<Obstacle> found_;
   std::optional<Time> stopped_;  ///< since when
 };
 

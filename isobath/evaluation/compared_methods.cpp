@@ -53,6 +53,13 @@ ComparedMethod baseline_of(Baseline baseline, const Configuration& configuration
                                                     ImageThresholdConfig{.route = c.mission.route});
       };
       break;
+    case Baseline::kHistogramThreshold:
+      method.make = [](const Scenario& scenario, const VehicleParameters& vehicle, const Configuration& c) {
+        return std::make_unique<ImageThresholdHelm>(
+            scenario.mission, vehicle,
+            ImageThresholdConfig{.threshold = ImageThreshold::kBetweenModes, .scans = 2, .route = c.mission.route});
+      };
+      break;
     case Baseline::kVelocityObstacles:
       method.make = [](const Scenario& scenario, const VehicleParameters& vehicle, const Configuration&) {
         return std::make_unique<VelocityObstacleHelm>(scenario.mission, vehicle, discs_of(scenario.scene),

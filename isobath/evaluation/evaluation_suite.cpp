@@ -80,8 +80,8 @@ std::vector<Field> bar_fields(BarsConfig& c) {
 std::vector<std::pair<std::string, Baseline>> baseline_names() {
   std::vector<std::pair<std::string, Baseline>> names;
   for (const Baseline b :
-       {Baseline::kNoAvoidance, Baseline::kPotentialField, Baseline::kImageThreshold, Baseline::kVelocityObstacles,
-        Baseline::kStopAndWait, Baseline::kAsPrinted, Baseline::kWorldFixedGrid}) {
+       {Baseline::kNoAvoidance, Baseline::kPotentialField, Baseline::kImageThreshold, Baseline::kHistogramThreshold,
+        Baseline::kVelocityObstacles, Baseline::kStopAndWait, Baseline::kAsPrinted, Baseline::kWorldFixedGrid}) {
     names.emplace_back(to_text(b), b);
   }
   return names;
@@ -212,6 +212,7 @@ const char* to_text(Baseline baseline) {
     case Baseline::kNoAvoidance: return "no avoidance";
     case Baseline::kPotentialField: return "potential field";
     case Baseline::kImageThreshold: return "image threshold";
+    case Baseline::kHistogramThreshold: return "histogram threshold";
     case Baseline::kVelocityObstacles: return "velocity obstacles";
     case Baseline::kStopAndWait: return "stop and wait";
     case Baseline::kAsPrinted: return "as printed";

@@ -43,6 +43,7 @@ enum class Baseline : std::uint8_t {
   kNoAvoidance,
   kPotentialField,
   kImageThreshold,
+  kHistogramThreshold,
   kVelocityObstacles,
   kStopAndWait,
   kAsPrinted,

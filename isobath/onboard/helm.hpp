@@ -30,6 +30,8 @@ class Helm : public ResultSink {
   [[nodiscard]] virtual MissionReport progress() const = 0;
   /// All decisions so far, in order.
   [[nodiscard]] virtual const std::vector<Decision>& decisions() const = 0;
+  /// The obstacles of the last scan, in L, of a helm that finds its own and does not use those of the map; else null.
+  [[nodiscard]] virtual const std::vector<Obstacle>* own_obstacles() const { return nullptr; }
   /// Frames for the operator since the last call (operator_link.hpp). Frames that are not fetched may be dropped.
   [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
   /// Whether the operator has acknowledged the alarms since the last call.

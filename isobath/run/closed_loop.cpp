@@ -17,6 +17,24 @@ bool tells_height(const Scene& scene) {
   });
 }
 
+/// Lets the judge see the obstacles that the helm goes by.
+class HelmsEye : public OnboardObserver {
+ public:
+  HelmsEye(const Helm& helm, DetectionScorer& judge) : helm_(helm), judge_(judge) {}
+  void on_ping(const PosedPing& ping) override { judge_.on_ping(ping); }
+  void on_scan(const ScanResult& scan) override {
+    const std::vector<Obstacle>* own = helm_.own_obstacles();
+    if (!own) return judge_.on_scan(scan);
+    Detection found = scan.detection;
+    found.obstacles = *own;
+    judge_.on_scan({scan.number, scan.posed, found, scan.grid});
+  }
+
+ private:
+  const Helm& helm_;
+  DetectionScorer& judge_;
+};
+
 }  // namespace
 
 LoopResult run_closed_loop(const Scenario& scenario, const LoopRequest& request) {
@@ -50,8 +68,9 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   GroundTruthTrajectory truth(simulator);
   source.tell_truth_to(truth);
   std::optional<DetectionScorer> judge;
+  std::optional<HelmsEye> eye;
   if (request.judge && !request.live) {
-    onboard.show_to(judge.emplace(simulator));
+    onboard.show_to(eye.emplace(helm, judge.emplace(simulator)));
     source.tell_truth_to(*judge);
   }
   std::optional<LivePace> pace;

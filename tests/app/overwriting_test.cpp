@@ -56,6 +56,16 @@ TEST_F(Overwriting, ARunRefusesAFolderWhoseFilesItReads) {
   EXPECT_EQ(content_of(poses), pose_csv(25));
 }
 
+// The names of its results are not known before: it is said when they are written.
+TEST_F(Overwriting, TracksRefuseTheTableThatTheyAreMadeOf) {
+  std::string table = "time,north,east\n";
+  for (int t = 0; t < 30; ++t) table += std::to_string(t) + "," + std::to_string(t) + ",0\n";
+  const fs::path tracks = write(folder_ / "tracks.csv", table);
+  EXPECT_THAT(isobath({"track", tracks, "--out", folder_}),
+              ends_with_one_line(HasSubstr("is an input, which would be overwritten")));
+  EXPECT_EQ(content_of(tracks), table);
+}
+
 TEST_F(Overwriting, AConvertedLogMayReplaceAnEarlierOne) {
   const fs::path copy = folder_ / "copy.mcap";
   for (int i = 0; i < 2; ++i) EXPECT_EQ(isobath({"convert", log_, copy}).exit_code, 0);

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <isobath/base/random.hpp>
 #include <isobath/evaluation/baseline_helms.hpp>
 #include <isobath/evaluation/run_score.hpp>
 #include <tests/support/pole_scene.hpp>
@@ -99,6 +100,47 @@ TEST_F(PoleOnTheWay, ImageThresholdsBelieveWhatThreeScansShow) {
   EXPECT_DOUBLE_EQ(helm.believed()[1].x(), 6.5);  // 150 of 200; 149 is below
   sonar.scan(helm, {0, 10, 10, 10, 10, 10, 10, 10, 200});
   EXPECT_TRUE(helm.believed().empty());
+}
+
+// The other method of the same section: between the two highest modes of the histogram, and two scans agree. Without
+// two modes there is no threshold. ledger: S6-62
+TEST(HistogramThreshold, LiesBetweenTheTwoHighestModes) {
+  Random random(9);
+  std::vector<float> samples;
+  const auto add = [&](int count, double middle) {
+    for (int i = 0; i < count; ++i) samples.push_back(static_cast<float>(middle + 6 * random.normal()));
+  };
+  add(20000, 60);
+  add(3000, 180);
+  add(200, 120);  // lower than both
+  const float between = threshold_between_modes(samples);
+  EXPECT_GT(between, 80);
+  EXPECT_LT(between, 160);
+  EXPECT_TRUE(std::isinf(threshold_between_modes({})));
+  EXPECT_TRUE(std::isinf(threshold_between_modes(std::vector<float>(50, 0.0F))));
+  EXPECT_TRUE(std::isinf(threshold_between_modes(std::vector<float>(50, 7.0F))));
+}
+
+// What it goes by is what is scored: one obstacle for the echoes of one body, in the frame of the scan.
+TEST_F(PoleOnTheWay, HistogramThresholdsBelieveWhatTwoScansShow) {
+  ImageThresholdConfig config;
+  config.threshold = ImageThreshold::kBetweenModes;
+  config.scans = 2;
+  config.same_m = 2.5;
+  ImageThresholdHelm helm(run_.scenario.mission, vehicle_, config);
+  OneBeam sonar;
+  const std::vector<std::uint8_t> scan{255, 10, 10, 10, 200, 10, 200, 10, 10, 10, 10, 10, 200};
+  sonar.scan(helm, scan);
+  EXPECT_TRUE(helm.believed().empty());
+  EXPECT_TRUE(helm.own_obstacles()->empty());
+  sonar.scan(helm, scan);
+  EXPECT_EQ(helm.believed().size(), 3u);
+  ASSERT_EQ(helm.own_obstacles()->size(), 2u);
+  std::vector<double> ranges;
+  for (const Obstacle& one : *helm.own_obstacles()) ranges.push_back(one.range_m);
+  std::ranges::sort(ranges);
+  EXPECT_DOUBLE_EQ(ranges[0], 4.5);
+  EXPECT_DOUBLE_EQ(ranges[1], 12.5);
 }
 
 }  // namespace

@@ -151,6 +151,24 @@ TEST(LastDitch, GoesOnWhenTheWayLiesFree) {
   EXPECT_GT(stream.speed, 1);
 }
 
+// Sooner than an echo is forgotten, where the sonar looks on and hears nothing there.
+TEST(LastDitch, GoesOnSoonerWhereTheSonarHearsThatTheWayIsFree) {
+  const auto goes_on_after_s = [](bool hears) {
+    SafetyStream stream;
+    show(stream, {{40, 0}});
+    stream.run_to(60);
+    EXPECT_EQ(stream.speed, 0);
+    stream.on_echoes = [hears](SonarEchoes& heard) {
+      if (hears) fall_silent(heard);
+    };
+    double t = 60;
+    while (t < 100 && stream.officer.action().kind != Act::kNone) stream.run_to(t += 0.5);
+    return t - 60;
+  };
+  EXPECT_LT(goes_on_after_s(true), NearEchoes::kSilent_s + kLimits.clear_after_s + 2);
+  EXPECT_GT(goes_on_after_s(false), kLimits.memory_s);
+}
+
 // What appears nearer than it can stop is said to be unavoidable, and the vehicle turns to the side that is free.
 TEST(LastDitch, TurnsToTheFreerSide) {
   for (const double side : {-1.0, 1.0}) {

@@ -2,8 +2,8 @@
 #include <array>
 #include <cairo/cairo.h>
 #include <cmath>
-#include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/report/plot/canvas.hpp>
 #include <numbers>
 
@@ -69,12 +69,7 @@ std::string Canvas::png() const {
   return bytes;
 }
 
-void Canvas::save(const std::filesystem::path& file) const {
-  const std::string bytes = png();
-  std::ofstream out(file, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.flush()) throw Error("cannot write", {file.string(), {}, {}, {}, {}});
-}
+void Canvas::save(const std::filesystem::path& file) const { write_whole_file(file, png()); }
 
 void Canvas::set(const Stroke& stroke) const {
   const Colour& c = stroke.colour;
