@@ -32,10 +32,9 @@ void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 2
 }
 
 /// What a fan of 130 degrees says that is silent up to `range_m`, but for its echoes.
-void fall_silent(SonarEchoes& heard, double range_m = 30) {
-  static const auto fan = even_fan(131, Angle::degrees(130), Angle::degrees(1.5), Angle::degrees(20));
-  heard.fan = fan;
-  for (const Angle azimuth : fan->azimuth) {
+void fall_silent(SonarEchoes& heard, double range_m = 30, Angle height = Angle::degrees(20)) {
+  heard.fan = even_fan(131, Angle::degrees(130), Angle::degrees(1.5), height);
+  for (const Angle azimuth : heard.fan->azimuth) {
     double silent = range_m;
     for (const Vector2d& p : heard.echoes_L) {
       if (std::abs(std::atan2(p.y(), p.x()) - azimuth.radians()) < 0.02) silent = std::min(silent, p.norm());
@@ -159,7 +158,7 @@ TEST(LastDitch, GoesOnSoonerWhereTheSonarHearsThatTheWayIsFree) {
     stream.run_to(60);
     EXPECT_EQ(stream.speed, 0);
     stream.on_echoes = [hears](SonarEchoes& heard) {
-      if (hears) fall_silent(heard);
+      if (hears) fall_silent(heard, 30, Angle::degrees(80));  // it stands 2 m before the place
     };
     double t = 60;
     while (t < 100 && stream.officer.action().kind != Act::kNone) stream.run_to(t += 0.5);

@@ -80,10 +80,10 @@ struct SonarHealthSample {
 /// echoes could not be told from noise there is no such message.
 struct SonarEchoes {
   Time time;
-  Pose X_WL;                              ///< at the instant of the ping; the frame of the echoes
-  double blanking_m = 0;                  ///< blanking distance: the sonar receives no nearer echoes
-  std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
-  std::shared_ptr<const BeamFan> fan;     ///< of `silent_m`; null: nothing is said of silence
+  Pose X_WL;                                          ///< at the instant of the ping; the frame of the echoes
+  double blanking_m = 0;                              ///< blanking distance: the sonar receives no nearer echoes
+  std::vector<Eigen::Vector2d> echoes_L;              ///< x forward, y starboard, m; at most one a beam, the nearest
+  std::shared_ptr<const BeamFan> fan;                 ///< of `silent_m`; null: nothing is said of silence
   Eigen::Vector2d sonar_L = Eigen::Vector2d::Zero();  ///< where the sonar is
   Angle boresight_L;                                  ///< from which the azimuths of the fan count
   std::vector<float> silent_m;                        ///< by beam: the range up to which nothing stands out
