@@ -214,10 +214,12 @@ std::vector<Obstacle> ImageThresholdHelm::obstacles_at(const Pose& X_WL) const {
     Points group{left.back()};
     left.pop_back();
     for (std::size_t i = 0; i < group.size(); ++i) {
-      const auto near = std::ranges::partition(
-          left, [&](const Vector2d& p) { return (p - group[i]).squaredNorm() > config_.same_m * config_.same_m; });
-      group.insert(group.end(), near.begin(), near.end());
-      left.erase(near.begin(), near.end());
+      const auto is_far = [&](const Vector2d& p) {
+        return (p - group[i]).squaredNorm() > config_.same_m * config_.same_m;
+      };
+      const auto near = std::partition(left.begin(), left.end(), is_far);
+      group.insert(group.end(), near, left.end());
+      left.erase(near, left.end());
     }
     for (Vector2d& p : group) p = (X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>();
     Obstacle& one = obstacles.emplace_back();
