@@ -123,6 +123,12 @@ TEST_F(Eval, AGridAboutTheVehicleKeepsRangesWhereFixesJump) {
     return method["false_obstacles_20m_a_scan"].template get<double>();
   };
   EXPECT_LT(false_near(json), 0.2 * false_near(other)) << "obstacles that the jumps doubled";
+  // Thresholds of one scan are scored by what they find: a high one finds the bodies late, a low one finds noise.
+  const auto& image = json["baselines"]["image threshold"];
+  EXPECT_GT(image["detection_delay_pings_median"].get<double>(),
+            2 * json["detection_delay_pings_median"].get<double>());
+  EXPECT_GT(false_near(json["baselines"]["histogram threshold"]), 10 * false_near(json));
+  EXPECT_GT(json["goals_reached"].get<int>(), image["goals_reached"].get<int>());
 }
 
 // Through a reef in the noise of the sea, where a vehicle that does not avoid collides; and how often a replan was for
