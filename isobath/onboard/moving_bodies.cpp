@@ -34,6 +34,17 @@ Eigen::Vector2d level_body(const Pose& X_LW, const Eigen::Vector2d& p_W) {
   return (X_LW * Eigen::Vector3d(p_W.x(), p_W.y(), 0)).head<2>();
 }
 
+/// Whether an edge of the fan's sector cuts the disc: the look shows a part of a body only, which is no reading of it.
+bool is_cut(const Ping& ping, const Pose& X_WB, const Eigen::Vector2d& centre_W, double radius_m) {
+  const Pose X_WS = X_WB * ping.X_BS;
+  const Eigen::Vector3d centre(centre_W.x(), centre_W.y(), X_WS.translation.z());
+  const Eigen::Vector2d to_S = (X_WS.inverse() * centre).head<2>();
+  const Angle azimuth = Angle::radians(std::atan2(to_S.y(), to_S.x()));
+  const double half = std::atan2(radius_m, to_S.norm());
+  const auto is_within = [&](Angle edge) { return std::abs((azimuth - edge).wrapped().radians()) <= half; };
+  return is_within(ping.fan->azimuth.front()) || is_within(ping.fan->azimuth.back());
+}
+
 }  // namespace
 
 std::vector<Field> fields(MovingBodiesConfig& c) {
@@ -85,8 +96,8 @@ void MovingBodies::look(const Ping& ping, const EchoDecisions& decisions, const 
   }
   boxes_.clear();
   for_each_moving(std::min(kSure_m, config_.max_sigma_m), [&](const BodyTrack& track) {
-    if (!is_heard(track, ping)) return;
     const Place place = place_of(track, ping.time);
+    if (!is_heard(track, ping) && !is_cut(ping, X_WB, place.centre_W, greatest_deviation(place.shape))) return;
     looks.find_bodies([&](const Eigen::Vector2d& p_W) { return place.contains(p_W); }, boxes_);
   });
 }
@@ -284,8 +295,8 @@ int MovingBodies::withhold(const Ping& ping, const Pose& X_WB, EchoDecisions& de
   for (const EchoBox& box : boxes_) withheld += withhold_box(ping, box, decisions);
   const Pose X_WS = X_WB * ping.X_BS;
   for_each_moving(std::min(kSure_m, config_.max_sigma_m), [&](const BodyTrack& track) {
-    if (!is_heard(track, ping)) return;
     const Place place = place_of(track, ping.time);
+    if (!is_heard(track, ping) && !is_cut(ping, X_WB, place.centre_W, greatest_deviation(place.shape))) return;
     const Eigen::Matrix2d inverse = place.shape.inverse();
     const Eigen::Vector2d to = place.centre_W - X_WS.translation.head<2>();
     for (int b = 0; b < decisions.beams(); ++b) {

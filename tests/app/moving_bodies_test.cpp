@@ -68,7 +68,8 @@ TEST(MovingBodies, CrossWithTheirVelocitiesAndLeaveNoTrail) {
   EXPECT_GT(seen, 30);
   EXPECT_GT(right, 0.9 * seen);
   const auto truth = test::json_of(folder / "out/truth.json");
-  EXPECT_LT(truth["obstacles"]["false_alarms"].get<double>(), last_scan) << "obstacles of nothing: below one a scan";
+  EXPECT_LT(truth["obstacles"]["false_alarms"].get<double>(), 0.1 * last_scan)
+      << "obstacles of nothing: below one a scan, also where the container leaves the sector";
   const auto& motion = truth["motion"];
   EXPECT_GE(motion["known"], 2);
   EXPECT_LE(motion["switches"], 2);
