@@ -1,6 +1,7 @@
 // The look ahead on raw echoes and ranges: stop while it can, else turn to the freer side, else surface.
 #include <gmock/gmock.h>
 #include <isobath/mission/safety/near_echoes.hpp>
+#include <isobath/mission/safety/sonar_health_sample.hpp>
 #include <limits>
 #include <memory>
 #include <random>
@@ -134,6 +135,23 @@ TEST(NearEchoes, AreForgottenWhereTheSonarHearsThatTheyAreGone) {
   EXPECT_GT(lasts_s({10, 1}, 11, {}), kLimits.memory_s - 0.5) << "at the end of the range";
   EXPECT_GT(lasts_s({-10, 1}, 30, {}), kLimits.memory_s - 0.5) << "astern";
   EXPECT_GT(lasts_s({4, 0}, 30, {}), kLimits.memory_s - 0.5) << "so near, it may lie below the beams";
+}
+
+// A fan of 20 degrees looks ahead at the depth of the vehicle up to 5 degrees of pitch.
+TEST(NearEchoes, SilenceOfTiltedBeamsSaysNothing) {
+  const auto fan = even_fan(3, Angle::degrees(30), Angle::degrees(10), Angle::degrees(20));
+  const Ping ping = make_ping({}, fan, {0, 1, 64}, std::vector<std::uint8_t>(std::size_t{3} * 64));
+  EchoDecisions decisions;
+  decisions.reset(3, 64);
+  const auto heard_at = [&](double pitch_deg) {
+    const Pose X_WB{Rotation::from_heading_pitch_roll({}, Angle::degrees(pitch_deg), {}), {0, 0, 10}};
+    return echoes_of(ping, decisions, X_WB, 6);
+  };
+  ASSERT_TRUE(heard_at(0));
+  EXPECT_EQ(heard_at(0)->fan, fan);
+  EXPECT_EQ(heard_at(0)->silent_m, std::vector<float>(3, 64.0F));
+  EXPECT_EQ(heard_at(4)->fan, fan);
+  EXPECT_EQ(heard_at(-6)->fan, nullptr);
 }
 
 // It stands where it stopped, turns to where it is ordered to go, and goes on once that way is free.

@@ -1,7 +1,14 @@
+#include <algorithm>
+#include <cmath>
 #include <isobath/mission/safety/sonar_health_sample.hpp>
 #include <isobath/sonar/ping_quality.hpp>
 
 namespace isobath {
+namespace {
+
+constexpr double kLevel = 0.25;  // of the height of the beams: tilt up to which their silence says something
+
+}  // namespace
 
 SonarHealthSample look_of(const Ping& ping, std::string sonar) {
   const PingQuality quality = quality_of(ping);
@@ -30,7 +37,9 @@ std::optional<SonarEchoes> echoes_of(const Ping& ping, const EchoDecisions& deci
   echoes.blanking_m = ping.window.edge(first);
   const Rotation R_LB = echoes.X_WL.rotation.inverse() * X_WB.rotation;
   nearest_echoes(ping, decisions, R_LB, contrast, echoes.echoes_L, echoes.silent_m);
-  echoes.fan = ping.fan;
+  // Beams that the vehicle's pitch or the mount tilts do not look ahead at its depth.
+  const double down = (R_LB * ping.X_BS.rotation * Eigen::Vector3d::UnitX()).z();
+  if (std::abs(std::asin(std::clamp(down, -1.0, 1.0))) <= kLevel * ping.fan->height.radians()) echoes.fan = ping.fan;
   echoes.sonar_L = (R_LB * ping.X_BS.translation).head<2>();
   echoes.boresight_L = (R_LB * ping.X_BS.rotation).heading();
   return echoes;

@@ -14,7 +14,8 @@ namespace isobath {
 SonarHealthSample look_of(const Ping& ping, std::string sonar);
 
 /// The nearest echoes that stand out by `contrast` (ping_quality.hpp), and the pose of the vehicle. Empty where no bin
-/// could be decided.
+/// could be decided. Without the fan, which would tell where it is silent, if the beams are tilted by more than a
+/// quarter of their height.
 std::optional<SonarEchoes> echoes_of(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
                                      double contrast);
 
