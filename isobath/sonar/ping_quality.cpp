@@ -73,8 +73,15 @@ float median(float* first, float* last) {
   return *middle;
 }
 
-/// Level above which an echo of this beam is clear. Long beams are subsampled, which is enough for a median.
-float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
+/// Median and deviation of a beam. Long beams are subsampled, which is enough for a median.
+struct BeamLevel {
+  float middle = 0;
+  double deviation = 0;
+  /// Level above which an echo is clear.
+  [[nodiscard]] float outstanding(double contrast) const { return middle + static_cast<float>(contrast * deviation); }
+};
+
+BeamLevel level_of(const Ping& ping, const EchoDecisions& decisions, int beam) {
   constexpr int kMax = 256;
   std::array<float, kMax> some{};
   const int stride = (decisions.bins() + kMax - 1) / kMax;
@@ -82,29 +89,38 @@ float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, do
   for (int k = 0; k < decisions.bins(); k += stride) {
     if (decisions.usable(k)) *last++ = ping.intensity(beam, k);
   }
-  if (last == some.data()) return ping.full_scale;
+  if (last == some.data()) return {ping.full_scale, 0};
   const float middle = median(some.data(), last);
   for (float* value = some.data(); value != last; ++value) *value = std::abs(*value - middle);
   // The deviation of nearly constant samples is close to 0, so it has a minimum.
   const double least = kMinDeviation * static_cast<double>(ping.full_scale);
-  const double deviation = std::max(1.4826 * static_cast<double>(median(some.data(), last)), least);
-  return middle + static_cast<float>(contrast * deviation);
+  return {middle, std::max(1.4826 * static_cast<double>(median(some.data(), last)), least)};
 }
 
-}  // namespace
-
-std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
-  std::optional<float> level;
+/// The nearest clear echo. `level` is that of the beam, found where there is a decision for an echo.
+std::optional<int> nearest_clear(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast,
+                                 std::optional<BeamLevel>& level) {
   const std::uint64_t* hits = decisions.hits(beam);
   for (int word = 0; word < decisions.words(); ++word) {
     for (std::uint64_t left = hits[word] & decisions.usable()[word]; left != 0; left &= left - 1) {
       const int bin = word * 64 + std::countr_zero(left);
       if (!decisions.tells(beam, bin)) continue;
-      if (!level) level = outstanding(ping, decisions, beam, contrast);
-      if (ping.intensity(beam, bin) >= *level) return bin;
+      if (!level) level = level_of(ping, decisions, beam);
+      if (ping.intensity(beam, bin) >= level->outstanding(contrast)) return bin;
     }
   }
   return std::nullopt;
+}
+
+std::optional<int> nearer(const std::optional<int>& clear, const std::optional<int>& dense) {
+  return dense && (!clear || *dense < *clear) ? dense : clear;
+}
+
+}  // namespace
+
+std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
+  std::optional<BeamLevel> level;
+  return nearest_clear(ping, decisions, beam, contrast, level);
 }
 
 std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam) {
@@ -134,9 +150,7 @@ std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam) 
 }
 
 std::optional<int> nearest_sure_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
-  const std::optional<int> clear = nearest_clear_echo(ping, decisions, beam, contrast);
-  const std::optional<int> dense = nearest_dense_echo(decisions, beam);
-  return dense && (!clear || *dense < *clear) ? dense : clear;
+  return nearer(nearest_clear_echo(ping, decisions, beam, contrast), nearest_dense_echo(decisions, beam));
 }
 
 /// Raised contrast of a fan, for noise with Rayleigh-distributed amplitude.
@@ -192,9 +206,12 @@ void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rota
   if (!(std::abs(boresight_L.z()) < kSteep)) return;
   const double least = contrast_of_fan(contrast, decisions.beams());
   for (int b = 0; b < decisions.beams(); ++b) {
-    const std::optional<int> sure = nearest_sure_echo(ping, decisions, b, contrast);
+    std::optional<BeamLevel> level;
+    const std::optional<int> clear = nearest_clear(ping, decisions, b, contrast, level);
+    const std::optional<int> sure = nearer(clear, nearest_dense_echo(decisions, b));
     silent_m.push_back(static_cast<float>(sure ? ping.window.edge(*sure) : ping.window.end_m()));
-    const std::optional<int> bin = nearest_clear_echo(ping, decisions, b, least);
+    if (!clear) continue;  // then none has the higher contrast of the fan
+    const std::optional<int> bin = nearest_clear(ping, decisions, b, least, level);
     if (!bin) continue;
     const double azimuth = ping.fan->azimuth[static_cast<std::size_t>(b)].radians();
     const Eigen::Vector3d p_S = ping.window.edge(*bin) * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0);

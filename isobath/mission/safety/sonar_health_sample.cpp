@@ -37,11 +37,12 @@ std::optional<SonarEchoes> echoes_of(const Ping& ping, const EchoDecisions& deci
   echoes.blanking_m = ping.window.edge(first);
   const Rotation R_LB = echoes.X_WL.rotation.inverse() * X_WB.rotation;
   nearest_echoes(ping, decisions, R_LB, contrast, echoes.echoes_L, echoes.silent_m);
+  const Rotation R_LS = R_LB * ping.X_BS.rotation;
   // Beams that the vehicle's pitch or the mount tilts do not look ahead at its depth.
-  const double down = (R_LB * ping.X_BS.rotation * Eigen::Vector3d::UnitX()).z();
+  const double down = (R_LS * Eigen::Vector3d::UnitX()).z();
   if (std::abs(std::asin(std::clamp(down, -1.0, 1.0))) <= kLevel * ping.fan->height.radians()) echoes.fan = ping.fan;
   echoes.sonar_L = (R_LB * ping.X_BS.translation).head<2>();
-  echoes.boresight_L = (R_LB * ping.X_BS.rotation).heading();
+  echoes.boresight_L = R_LS.heading();
   return echoes;
 }
 
