@@ -332,6 +332,31 @@ TEST(TrafficPlanner, KeepsItsPlanUntilABodyCrossesIt) {
   EXPECT_EQ(drive.planner.plan().start, drive.now - seconds(0.1));
 }
 
+// No motion keeps the margin of the new settings: the plan of before is better than none, and than one without a
+// margin. A plan for a faster vehicle is of no use. ledger: S3-03 S3-20
+TEST(TrafficPlanner, GoesOnWithAFreePlanWhenItsSettingsChange) {
+  const std::vector<MovingBody> bodies = {disc(1, {25, -8}, {0, 0.7}, 2), disc(2, {20, 9}, {0, -0.3}, 2)};
+  Drive drive = drive_to({60, 0}, 1.5, bodies);
+  drive.move(0.1);
+  TrafficConfig wide;
+  wide.margin_m = 80;
+  TrafficPlanner wider(wide, {});
+  wider.continue_from(drive.planner);
+  drive.planner = std::move(wider);
+  drive.move(0.1);
+  EXPECT_EQ(drive.planner.plan().number, 1);
+  EXPECT_EQ(drive.planner.plan().reason, "");
+  EXPECT_EQ(drive.planner.plan().margin_m, 0.25);
+  TrafficVehicle slow;
+  slow.max_speed = 0.75;
+  TrafficPlanner slower({}, slow);
+  slower.continue_from(drive.planner);
+  drive.planner = std::move(slower);
+  drive.move(0.1);
+  EXPECT_EQ(drive.planner.plan().number, 2);
+  EXPECT_LE(drive.planner.plan().trajectory.at(20).speed, 0.75 + 1e-9);
+}
+
 TEST(TrafficPlanner, LeavesOutWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<MovingBody> bodies = {disc(1, {nan, 0}, {0, 0}, 1), disc(2, {10, 0}, {INFINITY, 0}, 1),

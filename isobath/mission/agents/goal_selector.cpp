@@ -194,8 +194,8 @@ void GoalSelector::aim() {
   const double speed = std::clamp(wanted, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
   // Clear and crossing traffic have the same parameters.
   const bool differs = planned_for_ != situation_ && std::max(planned_for_, situation_) > TrafficSituation::kCrossing;
-  const bool anew = !planner_ || speed != speed_ || differs;
-  if (anew) {
+  const bool is_first = !planner_;
+  if (is_first || speed != speed_ || differs) {
     TrafficVehicle v;
     v.radius_m = vehicle_.hull_radius_m;
     v.turning_radius_m = config_.turn_reserve * std::max(vehicle_.limits.turning_radius, kSpot);
@@ -208,13 +208,12 @@ void GoalSelector::aim() {
     if (is_pursued) rules.margin_m = std::max(rules.margin_m, config_.pursued_margin_m);
     if (is_blocked) rules.replan_s = std::min(rules.replan_s, config_.blocked_replan_s);
     planned_for_ = situation_;
-    const RulesOfTheRoad roles = planner_ ? planner_->rules() : RulesOfTheRoad();
-    planner_.emplace(rules, v);
-    planner_->take_roles(roles);
+    TrafficPlanner planner(rules, v);
+    if (planner_) planner.continue_from(*planner_);
+    planner_.emplace(std::move(planner));
     speed_ = speed;
-    told_plan_ = 0;
   }
-  if (!anew && goal.north == goal_.north && goal.east == goal_.east && goal.radius_m == goal_.radius_m) return;
+  if (!is_first && goal.north == goal_.north && goal.east == goal_.east && goal.radius_m == goal_.radius_m) return;
   goal_ = goal;
   const bool last = waypoint_ + 1 == order_.waypoints.size();
   planner_->set_goal({goal.north, goal.east}, last && goal.radius_m > 0 ? goal.radius_m : kCorner_m);

@@ -85,6 +85,17 @@ void TrafficPlanner::set_goal(const Eigen::Vector2d& goal_W, double arrival_m) {
   }
 }
 
+void TrafficPlanner::continue_from(const TrafficPlanner& before) {
+  rules_.take_roles(before.rules_);
+  ruled_ = before.ruled_;
+  keeps_zones_ = before.keeps_zones_;
+  goal_W_ = before.goal_W_;
+  arrival_m_ = before.arrival_m_;
+  roads_.set_goal(goal_W_, arrival_m_);
+  plan_ = before.plan_;
+  if (before.vehicle_.max_speed > vehicle_.max_speed) plan_.trajectory.segments.clear();
+}
+
 bool TrafficPlanner::on_plan(const MotionState& own, Time now) const {
   if (plan_.trajectory.segments.empty()) return false;
   const double from_s = to_seconds(now - plan_.start);

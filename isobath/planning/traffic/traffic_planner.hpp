@@ -103,9 +103,11 @@ class TrafficPlanner {
   [[nodiscard]] const TrafficWork& work() const { return work_; }
   /// Since the goal was set.
   [[nodiscard]] const RoadWork& road_work() const { return roads_.work(); }
-  /// The roles toward the bodies; `take_roles` hands them to a planner with other settings.
+  /// The roles toward the bodies.
   [[nodiscard]] const RulesOfTheRoad& rules() const { return rules_; }
-  void take_roles(const RulesOfTheRoad& rules) { rules_.take_roles(rules); }
+  /// Takes the goal, the roles and the plan of a planner with other settings. The plan is dropped if that vehicle may be
+  /// faster than this one; else it stays in force while it is free.
+  void continue_from(const TrafficPlanner& before);
   /// Bodies of the last step that the plan passes within `within_m`, by time.
   [[nodiscard]] std::vector<Passage> passages(Time now, double within_m) const;
 
