@@ -83,7 +83,7 @@ Log log_of(const std::filesystem::path& recording, const Configuration& configur
     log.events.push_back(std::move(*event));
   }
   log.origin = source->report().origin;
-  const auto setup = mission_setup(ISOBATH_SCENARIOS "/wide_fan.toml", recording, nullptr);
+  const auto setup = mission_setup(ISOBATH_SCENARIOS "/wide_fan.toml", nullptr, recording, nullptr);
   if (!setup || log.events.empty()) throw Error("holds nothing", {recording.string(), {}, {}, {}, {}});
   log.setup = *setup;
   return log;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
+#include <isobath/app/exit_codes.hpp>
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
@@ -17,6 +18,7 @@
 #include <isobath/report/mission_pages.hpp>
 #include <isobath/report/placement_pages.hpp>
 #include <isobath/report/result_text.hpp>
+#include <isobath/run/group_run.hpp>
 #include <isobath/run/run.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -181,6 +183,31 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
 
+/// The scene, if the input is one of several vehicles.
+std::optional<Scenario> group_of(const RunRequest& request) {
+  if (!is_scene(request.input)) return std::nullopt;
+  Scenario scenario = open_scenario(request.input);
+  if (scenario.scene.group.empty()) return std::nullopt;
+  return scenario;
+}
+
+int run_several(const RunRequest& request, const Scenario& scenario, bool json) {
+  const GroupOutcome outcome = run_group(request, scenario);
+  if (json) {
+    auto all = nlohmann::ordered_json::parse(group_text(outcome));
+    add_files(all, request.out, {"group.json", "group.png"});
+    print_json(all);
+  } else {
+    for (const std::string& line : group_summary(outcome))
+      fmt::print("{}\n", printable_text(line, 2 * kMaxForeignText));
+    fmt::print("written to {}: group.json, group.png and a folder for each vehicle\n", request.out.string());
+  }
+  std::fflush(stdout);
+  const std::string failure = outcome.failure();
+  if (!failure.empty()) std::fprintf(stderr, "isobath: %s\n", printable_text(failure).c_str());
+  return failure.empty() ? kSuccess : kFailedChecks;
+}
+
 int act(RunCommandOptions& options) {
   RunRequest& request = options.read();
   if (options.live) request.live_speed = speed_of(options.speed);
@@ -188,6 +215,7 @@ int act(RunCommandOptions& options) {
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
     progress.show(source.bytes_read, source.bytes_total, counts.pings + counts.ranges + counts.swaths);
   };
+  if (const auto scenario = group_of(request)) return run_several(request, *scenario, options.json);
   const RunOutcome outcome = run(request);
   progress.clear();
   if (options.json) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/mission/messages/group_words.hpp>
 #include <isobath/mission/safety/sonar_health_sample.hpp>
 #include <isobath/onboard/agents_helm.hpp>
 #include <utility>
@@ -25,6 +26,7 @@ void MissionLog::note(const Envelope& envelope) {
   if (command && command->kind == OperatorCommand::Kind::kAcknowledge) acknowledged = true;
   const auto* frame = std::get_if<LinkFrame>(&envelope.message);
   if (frame && frame->way == LinkFrame::Way::kToOperator) frames.push_back(frame->bytes);
+  if (frame && frame->way == LinkFrame::Way::kToGroup) group_frames.push_back(frame->bytes);
 }
 
 AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast)
@@ -49,6 +51,10 @@ void AgentsHelm::tell_chart() {
 }
 
 void AgentsHelm::on_frame(const OperatorFrame& frame) {
+  if (is_of_group(frame.bytes)) {
+    executor_->on_message(LinkFrame{LinkFrame::Way::kFromGroup, frame.bytes}, now());
+    return;
+  }
   operator_heard_ = true;
   executor_->on_message(LinkFrame{LinkFrame::Way::kFromOperator, frame.bytes}, now());
 }

@@ -86,8 +86,9 @@ class AgentsHelm : public Helm {
 struct MissionLog {
   MissionReport report;  ///< the last
   std::vector<Decision> decisions;
-  std::vector<FrameBytes> frames;  ///< for the operator, until they are fetched
-  bool acknowledged = false;       ///< the operator has acknowledged the alarms since this was last fetched
+  std::vector<FrameBytes> frames;        ///< for the operator, until they are fetched
+  std::vector<FrameBytes> group_frames;  ///< likewise for the other vehicles
+  bool acknowledged = false;             ///< the operator has acknowledged the alarms since this was last fetched
 
   void note(const Envelope& envelope);
 };

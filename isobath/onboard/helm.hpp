@@ -34,6 +34,8 @@ class Helm : public ResultSink {
   [[nodiscard]] virtual const std::vector<Obstacle>* own_obstacles() const { return nullptr; }
   /// Frames for the operator since the last call (operator_link.hpp). Frames that are not fetched may be dropped.
   [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
+  /// Likewise for the other vehicles of the group (group_words.hpp).
+  [[nodiscard]] virtual std::vector<FrameBytes> to_group() { return {}; }
   /// Whether the operator has acknowledged the alarms since the last call.
   [[nodiscard]] virtual bool take_acknowledgement() { return false; }
   /// `recorder` gets every message of the agents, in order (bus.hpp).

@@ -15,6 +15,7 @@ SerialHelm::SerialHelm(std::vector<AgentSlot> slots, const VehicleParameters& ve
 
 void SerialHelm::on_event(const Event& event) {
   book_.frames.clear();
+  book_.group_frames.clear();
   AgentsHelm::on_event(event);
   executor_.advance(now());
 }

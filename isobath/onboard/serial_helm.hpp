@@ -34,6 +34,7 @@ class SerialHelm : public AgentsHelm {
   void show_messages_to(const Recorder& recorder) override { listener_ = recorder; }
   /// The frames since the last event.
   [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
+  [[nodiscard]] std::vector<FrameBytes> to_group() override { return std::exchange(book_.group_frames, {}); }
   [[nodiscard]] bool take_acknowledgement() override { return std::exchange(book_.acknowledged, false); }
   [[nodiscard]] ExecutorCounts executor_counts() const override { return executor_.counts(); }
 

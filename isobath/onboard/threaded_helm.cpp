@@ -66,6 +66,11 @@ std::vector<FrameBytes> ThreadedHelm::to_operator() {
   return std::exchange(state_->book.frames, {});
 }
 
+std::vector<FrameBytes> ThreadedHelm::to_group() {
+  const std::lock_guard lock(state_->book_mutex);
+  return std::exchange(state_->book.group_frames, {});
+}
+
 bool ThreadedHelm::take_acknowledgement() {
   const std::lock_guard lock(state_->book_mutex);
   return std::exchange(state_->book.acknowledged, false);

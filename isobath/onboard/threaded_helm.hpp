@@ -8,8 +8,8 @@
 // between its steps; otherwise the watchdog takes agents that are merely slow for hung ones.
 //
 // Threads: the source thread calls hear, steer and settle; the mapping thread calls on_ping, on_scan and on_world.
-// progress, decisions and to_operator belong to the source thread; progress and decisions return the state at its last
-// steer or settle. Throws Error if the agents cannot be set up.
+// progress, decisions, to_operator and to_group belong to the source thread; progress and decisions return the state at
+// its last steer or settle. Throws Error if the agents cannot be set up.
 #pragma once
 
 #include <isobath/onboard/agents_helm.hpp>
@@ -33,6 +33,7 @@ class ThreadedHelm : public AgentsHelm {
   [[nodiscard]] const std::vector<Decision>& decisions() const override;
   void show_messages_to(const Recorder& recorder) override;
   [[nodiscard]] std::vector<FrameBytes> to_operator() override;
+  [[nodiscard]] std::vector<FrameBytes> to_group() override;
   [[nodiscard]] bool take_acknowledgement() override;
   [[nodiscard]] ExecutorCounts executor_counts() const override;
   /// Waits until the agents have handled all messages; lost agents are not waited for.

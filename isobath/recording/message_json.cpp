@@ -99,6 +99,9 @@ Content content_of(const MissionOrder& m) {
           {"end", to_text(m.end)},
           {"why", m.why}};
 }
+Content content_of(const VisitOrder& m) {
+  return {{"version", m.version}, {"points", m.points}, {"last", m.last}, {"why", m.why}};
+}
 Content content_of(const PointMoved& m) { return {{"point", m.point}, {"north_east", components_of<2>(m.north_east)}}; }
 Content content_of(const RouteRequest& m) {
   return {{"id", m.id}, {"point", m.point}, {"target", point_content(m.target)}, {"last", m.last}};
@@ -181,8 +184,8 @@ Content content_of(const WorldSnapshot& m) {
   return content;
 }
 Content content_of(const LinkFrame& m) {
-  return {{"way", m.way == LinkFrame::Way::kToOperator ? "to operator" : "from operator"},
-          {"bytes", fmt::format("{:02x}", fmt::join(m.bytes, ""))}};
+  static constexpr const char* kWays[] = {"to operator", "from operator", "to group", "from group"};
+  return {{"way", kWays[static_cast<std::size_t>(m.way)]}, {"bytes", fmt::format("{:02x}", fmt::join(m.bytes, ""))}};
 }
 
 }  // namespace

@@ -24,14 +24,15 @@ bool is_mcap(const fs::path& file) {
 
 }  // namespace
 
-std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::path& input, const Simulator* simulator) {
+std::optional<MissionSetup> mission_setup(const fs::path& mission, const Scenario* scenario, const fs::path& input,
+                                          const Simulator* simulator) {
   MissionSetup setup;
   if (!mission.empty()) {
     const std::string text = text_of_file(mission.string());
     setup.plan =
         looks_like_scene(text) ? parse_scenario(text, mission.string()).mission : load_mission(mission.string());
-  } else if (simulator) {
-    setup.plan = open_scenario(input).mission;
+  } else if (scenario) {
+    setup.plan = scenario->mission;
   }
   if (setup.plan.points.empty()) return std::nullopt;
   if (simulator) {

@@ -10,12 +10,12 @@
 
 namespace isobath {
 
-/// The setup for an input that is a scenario or a log. `mission` names a mission file or another scenario; if it is
-/// empty, the mission of the scenario is used. It is moved to the plane of the scene's origin. The vehicle is that of
-/// the simulator, or the one recorded in the log, or the default one. Returns nothing if the mission has no points.
-/// Throws Error if a file cannot be used.
-std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const std::filesystem::path& input,
-                                          const Simulator* simulator);
+/// The setup for an input that is a scenario (`scenario`) or a log. `mission` names a mission file or another scenario;
+/// if it is empty, the mission of the scenario is used. It is moved to the plane of the scene's origin. The vehicle is
+/// that of the simulator, or the one recorded in the log, or the default one. Returns nothing if the mission has no
+/// points. Throws Error if a file cannot be used.
+std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const Scenario* scenario,
+                                          const std::filesystem::path& input, const Simulator* simulator);
 
 /// Throws Error unless the mission and the input have the same origin, to a metre.
 void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard);

@@ -20,9 +20,10 @@ struct RunWatch {
 };
 
 struct RunRequest {
-  std::filesystem::path input;  ///< log, folder of frames, or scene (.toml); empty: the embedded scene
-  std::filesystem::path out;    ///< created if absent
-  std::filesystem::path map;    ///< folder of a depth map to continue or to begin; empty: none is stored
+  std::filesystem::path input;              ///< log, folder of frames, or scene (.toml); empty: the embedded scene
+  std::optional<std::size_t> vehicle = {};  ///< the vehicle of a scene with a group (Scenario::of_vehicle)
+  std::filesystem::path out;                ///< created if absent
+  std::filesystem::path map;                ///< folder of a depth map to continue or to begin; empty: none is stored
   /// Mission file or scenario whose mission replaces that of the input. A scene runs in a closed loop; a log is
   /// replayed to the same agents. Empty: the mission of the scene, if it has one.
   std::filesystem::path mission;

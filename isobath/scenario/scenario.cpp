@@ -26,6 +26,19 @@ std::string list_of(const std::vector<FaultConfig>& faults) {
   return text.empty() ? "none" : text;
 }
 
+/// The vehicles of the scene are the group of the mission.
+void add_group(Scenario& scenario) {
+  const Scene& scene = scenario.scene;
+  if (scene.group.empty()) return;
+  if (!scenario.mission.search.on()) {
+    throw Error("several vehicles without an area to share", scene.group.front().place, "a [search_area]");
+  }
+  scenario.mission.group.push_back({scene.vehicle.name, scene.vehicle.start.head<2>()});
+  for (const GroupVehicle& vehicle : scene.group) {
+    scenario.mission.group.push_back({vehicle.name, vehicle.start.head<2>()});
+  }
+}
+
 }  // namespace
 
 bool is_scene(const std::filesystem::path& input) { return input.empty() || input.extension() == ".toml"; }
@@ -38,8 +51,41 @@ Scenario parse_scenario(std::string_view text, const std::string& file) {
   mission.lists.push_back(operator_list(scenario.orders));
   scenario.scene = parse_scene(text, file, mission);
   scenario.mission = make_plan(keys, mission, scenario.scene.origin());
+  add_group(scenario);
   if (looks_like_mission(text)) check_mission(scenario.mission);
   return scenario;
+}
+
+Scenario Scenario::of_vehicle(std::size_t vehicle) const {
+  Scenario one = *this;
+  Scene& own = one.scene;
+  one.mission.own = vehicle;
+  own.about.seed += static_cast<int>(vehicle);
+  std::vector<GroupVehicle> all = {
+      {scene.vehicle.place, scene.vehicle.name, scene.vehicle.start, scene.vehicle.heading, scene.vehicle.lost_s}};
+  all.insert(all.end(), scene.group.begin(), scene.group.end());
+  own.group.clear();
+  own.vehicle.name = all.at(vehicle).name;
+  own.vehicle.start = all[vehicle].start;
+  own.vehicle.heading = all[vehicle].heading;
+  own.vehicle.lost_s = all[vehicle].lost_s;
+  const VehicleModel model = vehicle_model_of(scene);
+  for (std::size_t other = 0; other < all.size(); ++other) {
+    if (other == vehicle) continue;
+    const Eigen::Vector3d& at_W = all[other].start;
+    const Cylinder hull{.centre = at_W, .radius = (model.length + model.width) / 4, .length = model.height};
+    own.bodies.push_back({.place = all[other].place,
+                          .name = all[other].name,
+                          .material = "plastic",
+                          .path = {-1, at_W.x(), at_W.y(), at_W.z(), 0, at_W.x(), at_W.y(), at_W.z()},
+                          .shape = hull});
+  }
+  return one;
+}
+
+std::size_t Scenario::body_of(std::size_t other) const {
+  const std::size_t others = mission.group.size() - 1, own = mission.own;
+  return scene.bodies.size() - others + other - (other > own ? 1 : 0);
 }
 
 Configuration Scenario::with_prior(Configuration configuration) const {

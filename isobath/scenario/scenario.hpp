@@ -19,11 +19,19 @@ namespace isobath {
 /// Whether a path names a scene: it ends in .toml, or it is empty (the embedded scene).
 bool is_scene(const std::filesystem::path& input);
 
+/// Scene and mission of one vehicle, or of a group: the vehicles of a scene with a group share the mission's search
+/// area.
 struct Scenario {
   Scene scene;
   MissionPlan mission;                ///< without points if the file has no mission
   std::vector<OperatorOrder> orders;  ///< [[operator]]
   DepthPriorConfig prior;             ///< [prior]: used if the configuration names no prior
+
+  /// The scenario of one vehicle of the group: it is [vehicle], its mission knows which vehicle it is, the others are
+  /// bodies of the scene, and its seed is its own. `vehicle` counts from 0, which is [vehicle] of the file.
+  [[nodiscard]] Scenario of_vehicle(std::size_t vehicle) const;
+  /// In the scene of a vehicle: the index of another vehicle's body.
+  [[nodiscard]] std::size_t body_of(std::size_t other) const;
 
   /// The configuration, with the prior of the scenario if it names none itself.
   [[nodiscard]] Configuration with_prior(Configuration configuration) const;
@@ -64,6 +72,8 @@ class SimulatedSource : public Source {
   void add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan);
   /// An operator gives this order now; without an operator, one is added.
   void order(OperatorCommand::Kind command, const MissionPlan& plan);
+  /// A packet from another vehicle arrives.
+  void hear(OperatorFrame frame) { told_.emplace_back(std::move(frame)); }
   /// Frames that the vehicle sends to the operator now.
   void answer(const std::vector<FrameBytes>& frames);
   /// Null: there is no operator.

@@ -63,8 +63,14 @@ std::vector<Field> bottom_fields(BottomConfig& c) {
           Field::flag("allow_holes", &c.allow_holes, "Whether a bottom with holes is accepted.")};
 }
 
+Field lost_field(double& lost_s) {
+  return Field::real("lost_s", &lost_s, {0, 1e6}, "s",
+                     "Time from which the vehicle of a group neither moves nor speaks; 0: never.");
+}
+
 std::vector<Field> vehicle_fields(VehicleConfig& c) {
   return {
+      Field::text("name", &c.name, "Name of the vehicle in a group."),
       Field::file("file", &c.file, "Vehicle file; empty: a point that follows the way-points exactly."),
       Field::flag("dynamic", &c.dynamic,
                   "Whether the vehicle has six degrees of freedom; false: it follows its set-points within limits."),
@@ -76,7 +82,14 @@ std::vector<Field> vehicle_fields(VehicleConfig& c) {
       Field::real("dive_period_s", &c.dive_period_s, {1, 1e5}, "s", "Period of this sine."),
       Field::real("dive_noise", &c.dive_noise, {0, 100}, "m",
                   "Root mean square of slow noise that is added to the depth."),
-      Field::real("endurance_h", &c.endurance_h, {0.01, 1e4}, "h", "Endurance on a full battery.")};
+      Field::real("endurance_h", &c.endurance_h, {0.01, 1e4}, "h", "Endurance on a full battery."),
+      lost_field(c.lost_s)};
+}
+
+std::vector<Field> group_vehicle_fields(GroupVehicle& c) {
+  return {Field::text("name", &c.name, "Name of the vehicle."),
+          Field::numbers("start", c.start.data(), 3, kMetres, "m", "Start position: north, east, depth."),
+          Field::degrees("heading_deg", &c.heading, {-360, 360}, "Heading at the start."), lost_field(c.lost_s)};
 }
 
 std::vector<Field> waypoint_fields(WaypointConfig& c) {
@@ -216,6 +229,20 @@ void drop_replaced(std::vector<Material>& materials) {
   materials = std::move(kept);
 }
 
+void check_group(const Scene& scene) {
+  std::vector<std::string> names = {scene.vehicle.name};
+  if (scene.group.size() >= kMaxGroup) {
+    refuse(scene.group.back().place, "name", fmt::format("{} vehicles in a group", scene.group.size() + 1),
+           fmt::format("up to {}", kMaxGroup));
+  }
+  for (const GroupVehicle& vehicle : scene.group) {
+    if (vehicle.name.empty() || std::ranges::find(names, vehicle.name) != names.end()) {
+      refuse(vehicle.place, "name", "two vehicles have this name: " + vehicle.name, "another name");
+    }
+    names.push_back(vehicle.name);
+  }
+}
+
 void check_names(const std::vector<SonarConfig>& sonars) {
   for (std::size_t i = 0; i < sonars.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -238,6 +265,7 @@ void check(const Scene& scene) {
   if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
   }
+  check_group(scene);
   for (const FaultConfig& fault : scene.faults) check_fault(fault);
   for (const SonarConfig& sonar : scene.sonars) check(sonar);
   std::vector<std::string> bodies;
@@ -320,7 +348,8 @@ Schema schema(Scene& s) {
                   {"bottom", "The bottom.", bottom_fields(s.bottom)},
                   {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)},
                   {"navigation", "The navigator of the vehicle.", fields(s.navigator)},
-                  {"hydrophones", "The passive array of the vehicle.", fields(s.hydrophones)}};
+                  {"hydrophones", "The passive array of the vehicle.", fields(s.hydrophones)},
+                  {"acoustic_link", "The modems of the vehicles of a group.", fields(s.link)}};
   for (Section& section : sections(s.navigation)) all.sections.push_back(std::move(section));
   all.lists = {{"material", "A material defined by the scene.",
                 [&s](const Place&) { return material_fields(s.materials.emplace_back()); }},
@@ -331,6 +360,13 @@ Schema schema(Scene& s) {
                body_list<Prism>(s, "prism", "Upright sheets along segments and arcs."),
                body_list<Pylons>(s, "pylons", "A row of upright cylinders."),
                body_list<Mesh>(s, "mesh", "A mesh from a file."),
+               {"group_vehicle", "A further vehicle, like [vehicle], in a group that has one mission.",
+                [&s](const Place& place) {
+                  GroupVehicle& vehicle = s.group.emplace_back();
+                  vehicle.place = place;
+                  vehicle.name = fmt::format("vehicle {}", s.group.size() + 1);
+                  return group_vehicle_fields(vehicle);
+                }},
                {"waypoint", "A way-point of the vehicle; it visits them in order.",
                 [&s](const Place&) { return waypoint_fields(s.waypoints.emplace_back()); }},
                {"sonar", "A sonar of the vehicle.",

@@ -17,6 +17,7 @@
 #include <isobath/base/config.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/geometry/pose.hpp>
+#include <isobath/sim/acoustic_link.hpp>
 #include <isobath/sim/dead_reckoning.hpp>
 #include <isobath/sim/fault_config.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
@@ -113,6 +114,7 @@ struct BottomConfig {
 
 struct VehicleConfig {
   Place place = {};
+  std::string name = "vehicle";
   std::string file = {};  ///< vehicle file; empty: a body of half a metre that turns instantly
   bool dynamic = false;
   Eigen::Vector3d start = {0, 0, 1};
@@ -120,11 +122,23 @@ struct VehicleConfig {
   double speed = 1.5;
   double dive_amplitude = 0, dive_period_s = 60, dive_noise = 0;  ///< sine in depth (S4-35)
   double endurance_h = 8;                                         ///< endurance on a full battery
+  double lost_s = 0;  ///< in a group: time from which it neither moves nor speaks; 0: never
+};
+
+/// A further vehicle of a group. It is of the kind of [vehicle], with the same sonars.
+struct GroupVehicle {
+  Place place = {};
+  std::string name = {};
+  Eigen::Vector3d start = {0, 0, 1};
+  Angle heading = {};
+  double lost_s = 0;
 };
 
 /// The names of the sonars in faults: imaging sonars are "sonar", "sonar.2" ... in the order of the file, range sonars
 /// "altimeter" ...
 std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars);
+
+inline constexpr std::size_t kMaxGroup = 8;  ///< vehicles of a group
 
 struct WaypointConfig {
   double north = 0, east = 0, depth = 1, speed = 0;  ///< speed 0: the vehicle's
@@ -146,6 +160,8 @@ struct Scene {
   BottomConfig bottom;
   std::vector<Body> bodies;
   VehicleConfig vehicle;
+  std::vector<GroupVehicle> group;  ///< the vehicles beside it
+  AcousticLinkConfig link;          ///< between the vehicles
   std::vector<WaypointConfig> waypoints;
   std::vector<SonarConfig> sonars;
   HydrophonesConfig hydrophones;

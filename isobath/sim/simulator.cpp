@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kStep = 0.02, kTruthInterval = 0.1, kHealthInterval = 1, kNear = 10;
 constexpr double kPartSilent = 0.5, kPartPeriods = 5;  // s, periods: a sensor that is silent longer has failed
+constexpr double kSteered_s = 1;                       // s, for which a steered body goes on with its velocity
 constexpr double kDiveMemory = 20;                     // s: correlation time of the noise on a dive
 
 enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed, kHydrophoneSeed };
@@ -122,6 +123,10 @@ Simulator::~Simulator() = default;
 double Simulator::hull_radius() const { return 0.5 * std::hypot(model_.length, model_.width); }
 
 void Simulator::check_start() const {
+  if (!scene_.group.empty()) {
+    throw Error(fmt::format("the scene has {} vehicles", scene_.group.size() + 1), scene_.group.front().place,
+                "one vehicle for this command; isobath run takes several");
+  }
   const Eigen::Vector3d p = scene_.vehicle.start;
   Place here = scene_.vehicle.place;
   here.key = "vehicle.start";
@@ -137,6 +142,16 @@ void Simulator::check_start() const {
       throw Error(fmt::format("{} is inside the vehicle: {:.2f} m from its middle", bodies[i].name, clear),
                   bodies[i].body->place, fmt::format("at least {:.2f} m from [vehicle] start", hull_radius()));
     }
+  }
+}
+
+void Simulator::steer_body(std::size_t body, double t_s, const Eigen::Vector3d& p_W, const Eigen::Vector3d& v_W) {
+  std::vector<double>& path = scene_.bodies.at(body).path;
+  ISOBATH_ASSERT(path.size() >= 8 && path[0] < t_s);
+  const Eigen::Vector3d then_W = p_W + kSteered_s * v_W;
+  path.resize(4);  // displacements count from the first row
+  for (const auto& [time_s, at_W] : {std::pair{t_s, p_W}, std::pair{t_s + kSteered_s, then_W}}) {
+    path.insert(path.end(), {time_s, at_W.x(), at_W.y(), at_W.z()});
   }
 }
 

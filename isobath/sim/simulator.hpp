@@ -57,6 +57,10 @@ class Simulator {
   /// command that it cannot follow.
   void command_scanning(const ScanCommand& scan);
 
+  /// From now on a body of the scene, which has a path, moves straight from this place, at t_s of the run.
+  void steer_body(std::size_t body, double t_s, const Eigen::Vector3d& p_W, const Eigen::Vector3d& v_W);
+  /// The true state of the vehicle now.
+  [[nodiscard]] const VehicleState& state() const { return plant_->state(); }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const World& world() const { return *world_; }
   [[nodiscard]] double now_s() const { return to_seconds(now_); }

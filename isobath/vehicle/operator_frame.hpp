@@ -1,5 +1,6 @@
-// OperatorFrame: one whole frame as it arrived over the link from the operator, not yet decoded (ledger S6-40). The
-// decoder at the vehicle's end of the link interprets it and checks whether it is valid.
+// OperatorFrame: one whole frame as it arrived over the link from the operator or from another vehicle of the group,
+// not yet decoded (ledger S6-40, S2-51). The decoder at the vehicle's end of the link interprets it and checks whether
+// it is valid.
 #pragma once
 
 #include <cstdint>

@@ -274,5 +274,53 @@ TEST_F(ExecutiveOfficerTest, AStoredPlanIsCarriedOutLikeOneThatIsWorkedOut) {
   EXPECT_NE(only<Decision>(script->said)[0].reason.find("from the library"), std::string::npos);
 }
 
+// In a group the Commodore orders the points. Before its first order the vehicle waits, and after one that is not the
+// last; a point that it is on its way to stays. ledger: S2-24 S2-26 S2-50
+TEST_F(ExecutiveOfficerTest, VisitsThePointsThatTheCommodoreOrders) {
+  plan.search.length_m = 100;
+  plan.group = {{"alpha", {0, 0}}, {"bravo", {0, 50}}};
+  plan.points.push_back(point(0, 200));
+  start();
+  EXPECT_TRUE(only<RouteRequest>(script->said).empty());
+  script->hear(VisitOrder{1, {2, 0}, false, "first"}, now);
+  EXPECT_EQ(asked().point, 2u);
+  planned();
+  EXPECT_TRUE(only<RouteRequest>(script->hear(VisitOrder{2, {2, 3}, false, "goes on"}, now)).empty());
+  const auto next = only<RouteRequest>(passed());
+  ASSERT_EQ(next.size(), 1u);
+  EXPECT_EQ(next[0].point, 3u);
+  planned();
+  passed();
+  EXPECT_EQ(report().phase, MissionPhase::kUnderWay) << "it waits";
+  wait(1);
+  EXPECT_EQ(only<RouteRequest>(script->hear(VisitOrder{3, {2}, true, "once more"}, now)).size(), 1u);
+  planned();
+  passed();
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+  EXPECT_EQ(report().reached, 3u);
+}
+
+// ledger: S2-50
+TEST_F(ExecutiveOfficerTest, RefusesOrdersThatAreNone) {
+  plan.search.length_m = 100;
+  plan.group = {{"alpha", {0, 0}}};
+  start();
+  script->hear(VisitOrder{1, {0, 7}, false, "no such point"}, now);
+  script->hear(VisitOrder{2, {1, 1}, false, "twice"}, now);
+  EXPECT_TRUE(only<RouteRequest>(script->said).empty());
+}
+
+// Without its Commodore the vehicle sails what was ordered, and then ends its mission. ledger: S2-50
+TEST_F(ExecutiveOfficerTest, EndsAfterTheLastOrderOfALostCommodore) {
+  plan.search.length_m = 100;
+  plan.group = {{"alpha", {0, 0}}, {"bravo", {0, 50}}};
+  start();
+  script->hear(VisitOrder{1, {1}, false, "first"}, now);
+  planned();
+  script->hear(AgentLost{"commodore", false, "a fault"}, now);
+  passed();
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -289,6 +289,35 @@ std::string with_arcs(const std::string& arcs) {
          arcs + "]}";
 }
 
+// A newer graph replaces what is not executed yet: the present action goes on, and is neither repeated nor skipped.
+// ledger: S2-24
+TEST(PlanExecutor, GoesOnWithItsActionInANewerGraph) {
+  Facts facts;
+  PlanExecutor executor(two_points());
+  const PlanAction first = executor.start(at(0));
+  PlanGraph newer{"newer"};
+  const auto before = newer.add("before", {"hold"});
+  const auto same = newer.add("the same", first);
+  const auto after = newer.add("after", {"surface"});
+  newer.join(before, PlanEvent::fact("never"), same);
+  newer.join(same, PlanEvent::timeout(60), after);
+  EXPECT_EQ(executor.update(newer, at(30)), nullptr);
+  EXPECT_EQ(executor.node(), same);
+  EXPECT_EQ(executor.arrived(), at(0)) << "it has been at it since then";
+  EXPECT_EQ(executor.cycle(at(59), facts), nullptr);
+  ASSERT_NE(executor.cycle(at(60), facts), nullptr);
+  EXPECT_EQ(executor.node(), after);
+  // It is at its end now, which is nothing to go on with; and a graph without the action begins.
+  ASSERT_NE(executor.update(newer, at(61)), nullptr);
+  EXPECT_EQ(executor.node(), before);
+  PlanGraph other{"other"};
+  other.add("elsewhere", {"return"});
+  ASSERT_NE(executor.update(other, at(62)), nullptr);
+  EXPECT_EQ(executor.arrived(), at(62));
+  EXPECT_THROW(executor.update(PlanGraph{"no nodes"}, at(63)), Error);
+  EXPECT_EQ(executor.graph(), other);
+}
+
 // ledger: S2-06
 TEST(PlanGraphFile, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(read_refusal(with_arcs(R"({"from": "a", "to": "b", "event": {"fact": "done"}})")), "");

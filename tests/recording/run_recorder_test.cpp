@@ -94,7 +94,8 @@ TEST(RunRecorder, TheVehicleIsThatOfTheRecordedRun) {
     recorder.on_event(Event(test::fix_at(0, 0)));
     recorder.close();
   }
-  const auto replay = mission_setup(test::source_folder() / "scenarios" / "simulated_mission_1.toml", file, nullptr);
+  const auto replay =
+      mission_setup(test::source_folder() / "scenarios" / "simulated_mission_1.toml", nullptr, file, nullptr);
   ASSERT_TRUE(replay);
   EXPECT_EQ(replay->vehicle.half_width_m, setup.vehicle.half_width_m);
   EXPECT_EQ(replay->vehicle.hull_radius_m, setup.vehicle.hull_radius_m);

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/executive_officer.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
+#include <numeric>
+#include <set>
 
 namespace isobath {
 namespace {
@@ -46,13 +48,20 @@ std::vector<Field> fields(ExecutiveConfig& c) {
 }
 
 PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config) {
+  std::vector<std::size_t> all(plan.points.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return visit_graph(plan, all, true, config);
+}
+
+PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> points, bool last,
+                      const ExecutiveConfig& config) {
   PlanGraph graph{plan.title};
   struct Nodes {
     std::size_t go, drop, last;  // `last`: the last node of the work at the point
     PlanEvent over;              // the event that ends this work
   };
   std::vector<Nodes> at;
-  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+  for (const std::size_t i : points) {
     const MissionPoint& p = plan.points[i];
     const std::string name = fmt::format("point {}", i + 1);
     const std::size_t go = graph.add(name, at_point("go to", i));
@@ -68,17 +77,19 @@ PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config) 
     if (!p.task.empty()) then("task", PlanEvent::fact("task done", index(i)));
     at.push_back(nodes);
   }
-  const std::size_t over = add_end(graph, plan.at_end, "end", at.size(), config);
+  const std::size_t all = plan.points.size();
+  const std::size_t over = last ? add_end(graph, plan.at_end, "end", all, config) : graph.add("wait", {"wait"});
   const std::size_t dropped =
-      at.empty() ? over : add_end(graph, plan.if_dropped, "end after a drop", at.size(), config);
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    const bool last = i + 1 == at.size();
-    const std::size_t next = last ? over : at[i + 1].go;
-    const std::size_t next_after_drop = last ? dropped : next;
-    graph.join(at[i].last, at[i].over, next);
-    if (!plan.points[i].task.empty()) graph.join(at[i].last, PlanEvent::timeout(config.task_wait_s), next);
-    graph.join(at[i].go, PlanEvent::fact("point dropped", index(i)), next_after_drop);
-    graph.join(at[i].drop, PlanEvent::fact("point dropped", index(i)), next_after_drop);
+      at.empty() || !last ? over : add_end(graph, plan.if_dropped, "end after a drop", all, config);
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const std::size_t i = points[k];
+    const bool is_last = k + 1 == at.size();
+    const std::size_t next = is_last ? over : at[k + 1].go;
+    const std::size_t next_after_drop = is_last ? dropped : next;
+    graph.join(at[k].last, at[k].over, next);
+    if (!plan.points[i].task.empty()) graph.join(at[k].last, PlanEvent::timeout(config.task_wait_s), next);
+    graph.join(at[k].go, PlanEvent::fact("point dropped", index(i)), next_after_drop);
+    graph.join(at[k].drop, PlanEvent::fact("point dropped", index(i)), next_after_drop);
   }
   return graph;
 }
@@ -98,6 +109,7 @@ void ExecutiveOfficer::on_message(const Message& message, Time now, Outbox& out)
   now_ = now;
   if (const auto* fix = std::get_if<Navigation>(&message)) here_ = *fix;
   if (const auto* order = std::get_if<MissionOrder>(&message)) on(*order, out);
+  if (const auto* visits = std::get_if<VisitOrder>(&message)) on(*visits, out);
   if (const auto* moved = std::get_if<PointMoved>(&message)) on(*moved, out);
   if (const auto* route = std::get_if<RoutePlanned>(&message)) on(*route, out);
   if (const auto* refused = std::get_if<RouteRefused>(&message)) on(*refused, out);
@@ -106,6 +118,11 @@ void ExecutiveOfficer::on_message(const Message& message, Time now, Outbox& out)
   if (const auto* plan = std::get_if<TaskPlan>(&message)) on(*plan, out);
   if (const auto* lost = std::get_if<AgentLost>(&message)) {
     if (lost->agent == "captain") end(MissionEnd::kSurface, "the Captain is lost: " + lost->why, out);
+    if (lost->agent == "commodore" && is_shared() && busy()) {
+      VisitOrder rest = visits_ordered_;
+      rest.last = true;
+      visit(rest, out);
+    }
   }
   cycle(out);
 }
@@ -149,7 +166,10 @@ void ExecutiveOfficer::start(const MissionOrder& order, Outbox& out) {
   if (here_) home_ = here_->X_WB.translation.head<2>();
   const auto stored = library_.find(plan_->title);
   const bool from_library = stored != library_.end();
-  executor_.emplace(from_library ? stored->second : mission_graph(*plan_, config_));
+  visits_ordered_ = {};
+  executor_.emplace(from_library  ? stored->second
+                    : is_shared() ? visit_graph(*plan_, {}, false, config_)
+                                  : mission_graph(*plan_, config_));
   decide("start",
          fmt::format("{}, {} points, by a plan graph {}", plan_->title.empty() ? "mission" : plan_->title,
                      points_.size(), from_library ? "from the library" : "derived from the mission"),
@@ -166,6 +186,30 @@ void ExecutiveOfficer::end(MissionEnd how, const std::string& why, Outbox& out) 
   executor_.emplace(end_graph(how, points_.size(), config_));
   report(MissionPhase::kAborted, why, out);
   act(executor_->start(now_), out);
+}
+
+void ExecutiveOfficer::on(const VisitOrder& order, Outbox& out) {
+  if (!is_shared() || !busy() || phase_ == MissionPhase::kAborted) return;
+  std::set<std::size_t> once;
+  for (const std::size_t point : order.points) {
+    if (point >= points_.size() || !once.insert(point).second) return;
+  }
+  visits_ordered_ = order;
+  visit(order, out);
+}
+
+// What was reached before under another order is to be visited again.
+void ExecutiveOfficer::visit(const VisitOrder& order, Outbox& out) {
+  const bool on_the_way = errand_ == Errand::kPoint;
+  for (const std::size_t point : order.points) {
+    if (on_the_way && point == point_) continue;
+    for (const char* fact : {"point reached", "point dropped", "task done", "waited"}) {
+      facts_.erase({fact, index(point)});
+    }
+  }
+  const PlanAction* action = executor_->update(visit_graph(*plan_, order.points, order.last, config_), now_);
+  decide("visit", order.why, out);
+  if (action && !paused_) act(*action, out);
 }
 
 void ExecutiveOfficer::on(const PointMoved& moved, Outbox& out) {

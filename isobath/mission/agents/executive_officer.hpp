@@ -1,8 +1,8 @@
 // ExecutiveOfficer: takes the vehicle through a mission, point by point (Ganesan 2015, 5.1; Herman 1988, 2; ledger
 // S6-35, S6-51, S6-E21, S2-06 to S2-09).
 //
-// Receives MissionOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan, Navigation and
-// AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, Decision.
+// Receives MissionOrder, VisitOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan,
+// Navigation and AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, Decision.
 //
 // The mission is a plan graph: one node per point, and nodes for the work there and for the end. The graph is derived
 // from the MissionPlan, or taken by its title from the library that the constructor receives (S2-09). The events of the
@@ -10,6 +10,11 @@
 //   point reached (i), point dropped (i), task done (i), returned     facts
 //   waited (i)      total time without a route to point i, s; i = number of points: without a route back
 //   depth           m
+// In a group the Commodore orders which points to visit, in which order; each order replaces what is still to come, and
+// the point that the vehicle is on its way to stays, if it is in the order (S2-24). Before the first order, and after
+// the points of one that is not the last, the vehicle holds its position. If the Commodore is lost, the points that are
+// ordered are the last.
+//
 // A new route replaces the rest of the one before. Without a route the vehicle holds its position until there is one;
 // after a total of `route_timeout_s` without a route the point is dropped. A point that is passed abeam is approached
 // again, `approaches` times in all. If the Captain is lost, the vehicle surfaces.
@@ -19,6 +24,7 @@
 #include <isobath/mission/messages/agent.hpp>
 #include <isobath/mission/plan/plan_graph.hpp>
 #include <map>
+#include <span>
 
 namespace isobath {
 
@@ -34,6 +40,9 @@ std::vector<Field> fields(ExecutiveConfig& config);
 
 /// Actions: "go to", "drop", "hold", "task" (each with "point"), "return", "surface", "finish".
 PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config);
+/// The same for some of the points, in this order; if they are not the last, it ends in "wait".
+PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> points, bool last,
+                      const ExecutiveConfig& config);
 /// The nodes for the end of the mission only.
 PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& config);
 
@@ -50,6 +59,8 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   void on(const MissionOrder& order, Outbox& out);
   void start(const MissionOrder& order, Outbox& out);
   void end(MissionEnd how, const std::string& why, Outbox& out);
+  void on(const VisitOrder& order, Outbox& out);
+  void visit(const VisitOrder& order, Outbox& out);
   void on(const PointMoved& moved, Outbox& out);
   void on(const RoutePlanned& route, Outbox& out);
   void on(const RouteRefused& refused, Outbox& out);
@@ -69,6 +80,8 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   void decide(const char* what, std::string reason, Outbox& out) const;
   [[nodiscard]] std::optional<double> value(const std::string& quantity, std::optional<int> of) const override;
   void note(const std::string& fact, std::size_t of) { facts_[{fact, static_cast<int>(of)}] = 1; }
+  /// Whether the Commodore orders which points to visit.
+  [[nodiscard]] bool is_shared() const { return plan_ && plan_->search.on() && !plan_->group.empty(); }
   [[nodiscard]] bool busy() const { return phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding; }
 
   ExecutiveConfig config_;
@@ -77,6 +90,7 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   std::vector<MissionPoint> points_;  ///< of the plan, with their positions now
   std::optional<PlanExecutor> executor_;
   std::map<std::pair<std::string, int>, double> facts_;
+  VisitOrder visits_ordered_;  ///< in a group: the newest
   MissionPhase phase_ = MissionPhase::kWaiting;
   std::size_t reached_ = 0, dropped_ = 0;
   bool paused_ = false;  ///< by the operator

@@ -5,6 +5,7 @@ namespace isobath {
 std::vector<Section> sections(MissionConfig& c) {
   return {
       {"captain", "The agent that starts and ends missions.", fields(c.captain)},
+      {"commodore", "The agent that shares a search area with other vehicles.", fields(c.commodore)},
       {"executive", "The agent that takes the vehicle from point to point.", fields(c.executive)},
       {"navigator", "When a route is kept, changed or given up.", fields(c.navigator)},
       {"route", "How a path past obstacles is searched.", fields(c.route)},
@@ -35,6 +36,7 @@ std::vector<AgentSlot> standard_agents(const MissionConfig& c, const VehiclePara
   slot("navigator", AgentLevel::kMission,
        std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route, c.opening));
   slot("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain));
+  slot("commodore", AgentLevel::kSupervisory, std::make_unique<Commodore>(c.commodore));
   slot("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive));
   slot("goal selector", AgentLevel::kMission, std::make_unique<GoalSelector>(c.goal_selector, vehicle));
   slot("pilot", AgentLevel::kVehicle,

@@ -6,6 +6,7 @@
 #include <isobath/mission/agents/captain.hpp>
 #include <isobath/mission/agents/chart_room.hpp>
 #include <isobath/mission/agents/closer_look.hpp>
+#include <isobath/mission/agents/commodore.hpp>
 #include <isobath/mission/agents/executive_officer.hpp>
 #include <isobath/mission/agents/fls_detector.hpp>
 #include <isobath/mission/agents/goal_selector.hpp>
@@ -17,6 +18,7 @@ namespace isobath {
 
 struct MissionConfig {
   CaptainConfig captain;
+  CommodoreConfig commodore;
   ExecutiveConfig executive;
   NavigatorConfig navigator;
   RouteConfig route;
@@ -39,8 +41,8 @@ struct MissionConfig {
 /// Bound to `config`.
 std::vector<Section> sections(MissionConfig& config);
 
-/// In the order in which they receive messages: fls detector, navigator, captain, executive officer, goal selector,
-/// pilot, chart room, signaling officer; then the back-seat drivers, survey and circle.
+/// In the order in which they receive messages: fls detector, navigator, captain, commodore, executive officer,
+/// goal selector, pilot, chart room, signaling officer; then the back-seat drivers, survey and circle.
 std::vector<AgentSlot> standard_agents(const MissionConfig& config, const VehicleParameters& vehicle);
 
 }  // namespace isobath

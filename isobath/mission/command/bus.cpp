@@ -16,6 +16,7 @@ constexpr const char* name(const ObstacleScan*) { return "obstacle scan"; }
 constexpr const char* name(const ChartedHazards*) { return "charted hazards"; }
 constexpr const char* name(const OperatorCommand*) { return "operator command"; }
 constexpr const char* name(const MissionOrder*) { return "mission order"; }
+constexpr const char* name(const VisitOrder*) { return "visit order"; }
 constexpr const char* name(const PointMoved*) { return "point moved"; }
 constexpr const char* name(const RouteRequest*) { return "route request"; }
 constexpr const char* name(const RoutePlanned*) { return "route planned"; }

@@ -115,6 +115,15 @@ struct PointMoved {
   Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
 };
 
+/// Commodore -> Executive Officer: the points of the mission to visit from now on, in this order, instead of those that
+/// are still to come. A point that the vehicle is on its way to and that is in the list comes first.
+struct VisitOrder {
+  std::uint32_t version = 0;
+  std::vector<std::size_t> points;
+  bool last = false;  ///< the mission ends after them; else the vehicle waits for the next order
+  std::string why;
+};
+
 /// Executive Officer -> Navigator: asks for a route to this point; replaces the request before.
 struct RouteRequest {
   std::uint32_t id = 0;
@@ -245,9 +254,10 @@ struct StatusReport {
   std::string text;
 };
 
-/// One frame on the link to the operator, as it is transmitted or was received (S6-40).
+/// One frame on the link to the operator, or to the other vehicles of the group, as it is transmitted or was received
+/// (S6-40, S2-51).
 struct LinkFrame {
-  enum class Way : std::uint8_t { kToOperator, kFromOperator } way = Way::kToOperator;
+  enum class Way : std::uint8_t { kToOperator, kFromOperator, kToGroup, kFromGroup } way = Way::kToOperator;
   std::vector<std::uint8_t> bytes;
 };
 
@@ -309,9 +319,9 @@ struct Decision {
 std::string to_text(const Decision& decision);
 
 using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
-                             ChartedHazards, OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned,
-                             RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder,
-                             WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall,
-                             TaskBid, TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame>;
+                             ChartedHazards, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest,
+                             RoutePlanned, RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards,
+                             MotionOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
+                             StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame>;
 
 }  // namespace isobath

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <isobath/mission/messages/frame_bytes.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
 
@@ -11,26 +12,6 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::size_t kHead = 20;
 constexpr std::size_t kTail = 4;
 constexpr std::size_t kMaxText = 1000;  // bytes of a status
-
-void put(FrameBytes& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-}
-
-std::uint64_t number_at(Bytes bytes, std::size_t at, std::size_t count) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) value |= std::uint64_t{bytes[at + i]} << (8 * i);
-  return value;
-}
-
-/// CRC-32 of Ethernet: reflected, polynomial 0x04c11db7.
-std::uint32_t crc32(Bytes bytes) {
-  std::uint32_t crc = 0xffffffffU;
-  for (const std::uint8_t byte : bytes) {
-    crc ^= byte;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1U) != 0 ? 0xedb88320U : 0U);
-  }
-  return ~crc;
-}
 
 }  // namespace
 

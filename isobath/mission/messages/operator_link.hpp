@@ -14,14 +14,13 @@
 
 #include <cstdint>
 #include <deque>
+#include <isobath/mission/messages/frame_bytes.hpp>
 #include <isobath/mission/messages/messages.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace isobath {
-
-using FrameBytes = std::vector<std::uint8_t>;
 
 enum class FrameKind : std::uint8_t { kWord = 1, kAcknowledgement = 2, kBeat = 3 };
 

@@ -54,6 +54,18 @@ std::vector<Field> fence_fields(MissionKeys& k) {
                   "Corners as latitude, longitude, instead of `corners`.")};
 }
 
+std::vector<Field> search_fields(SearchArea& a) {
+  return {Field::numbers("corner", a.corner.data(), 2, kMetres, "m", "Corner of the area: north, east."),
+          Field::degrees("heading_deg", &a.heading, {-360, 360}, "Heading of the lanes."),
+          Field::real("length_m", &a.length_m, {0, 1e4}, "m", "Length of the area along the heading; 0: no area."),
+          Field::real("breadth_m", &a.breadth_m, {1, 1e4}, "m", "Breadth of the area, to starboard of the corner."),
+          Field::real("spacing_m", &a.spacing_m, {1, 1e3}, "m", "Greatest distance between two lanes."),
+          Field::real("station_m", &a.station_m, {1, 1e4}, "m", "Greatest distance between two stations of a lane."),
+          Field::real("depth_m", &a.depth_m, {0, 12000}, "m", "Depth of the lanes."),
+          Field::real("drop_distance_m", &a.drop_distance_m, {0, 1000}, "m",
+                      "An obstacle that is nearer to a station blocks it; 0: navigator.drop_distance_m.")};
+}
+
 std::vector<Field> point_fields(PointKeys& k) {
   MissionPoint& p = k.point;
   return {
@@ -162,6 +174,33 @@ void inject(const OutlineKeys& keys, std::vector<InjectedMap>& maps) {
   map->outlines.push_back(std::move(outline));
 }
 
+/// The stations of the lanes become the points of the mission.
+void add_lanes(MissionPlan& plan) {
+  const SearchArea& area = plan.search;
+  if (!plan.points.empty()) {
+    refuse(area.place, "length_m", "there are mission points and a search area", "one of the two");
+  }
+  if (area.lanes() > kMaxLanes) {
+    refuse(area.place, "spacing_m", fmt::format("{} lanes", area.lanes()), fmt::format("up to {} lanes", kMaxLanes));
+  }
+  if (area.lanes() * area.stations() > kMaxStations) {
+    refuse(area.place, "station_m", fmt::format("{} stations", area.lanes() * area.stations()),
+           fmt::format("up to {} stations", kMaxStations));
+  }
+  const std::size_t stations = area.stations();
+  for (const Lane& lane : lanes_of(area)) {
+    const std::size_t number = plan.points.size() / stations + 1;
+    for (std::size_t i = 0; i < stations; ++i) {
+      MissionPoint& point = plan.points.emplace_back();
+      point.place = area.place;
+      point.name = fmt::format("lane {}, station {}", number, i + 1);
+      point.north_east = lane.at(static_cast<double>(i) / static_cast<double>(stations - 1));
+      point.depth_m = area.depth_m;
+      point.drop_distance_m = area.drop_distance_m;
+    }
+  }
+}
+
 /// The section name under which an element of a list is written.
 std::string in_brackets(const char* list) { return fmt::format("[{}]", list); }
 
@@ -171,7 +210,9 @@ Schema schema(MissionKeys& k) {
   Schema all;
   all.sections = {{"mission", "What the vehicle is asked to do.", mission_fields(k)},
                   {"mission_limits", "Limits that hold during the whole mission.", limit_fields(k.plan.limits)},
-                  {"geofence", "Area that the vehicle must not leave.", fence_fields(k)}};
+                  {"geofence", "Area that the vehicle must not leave.", fence_fields(k)},
+                  {"search_area", "A rectangle that is searched in lanes, instead of mission points.",
+                   search_fields(k.plan.search)}};
   all.lists = {{"mission_point", "The points of the mission, in order.",
                 [&k](const Place& place) {
                   PointKeys& point = k.points.emplace_back();
@@ -198,6 +239,8 @@ MissionPlan make_plan(const MissionKeys& keys, const Schema& read, std::optional
   const Degrees degrees(plan.origin);
   plan.fence = fence_of(keys, degrees, plan.fence_place);
   for (const PointKeys& point : keys.points) plan.points.push_back(point_of(point, degrees));
+  plan.search.place = place_of(read, "search_area");
+  if (plan.search.on()) add_lanes(plan);
   for (const OutlineKeys& outline : keys.outlines) inject(outline, plan.injected);
   return plan;
 }
@@ -239,7 +282,7 @@ MissionPlan load_mission(const std::string& file) {
 }
 
 bool looks_like_mission(std::string_view text) {
-  for (const std::string_view header : {"[mission]", "[[mission_point]]"}) {
+  for (const std::string_view header : {"[mission]", "[[mission_point]]", "[search_area]"}) {
     for (std::size_t at = text.find(header); at != std::string_view::npos; at = text.find(header, at + 1)) {
       if (at == 0 || text[at - 1] == '\n') return true;
     }
@@ -257,7 +300,7 @@ std::string write_mission(const MissionPlan& plan) {
   keys.corners = rows_of(plan.fence);
   const Schema head = schema(keys);
   std::string text = write_toml(head.sections, false);
-  for (const MissionPoint& point : plan.points) {
+  for (const MissionPoint& point : plan.search.on() ? std::vector<MissionPoint>() : plan.points) {
     PointKeys point_keys{point, 0, 0, point.altitude_m.value_or(0)};
     text += "\n" + write_toml({{in_brackets("mission_point"), "", point_fields(point_keys)}}, false);
   }

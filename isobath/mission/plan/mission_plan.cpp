@@ -137,6 +137,8 @@ MissionPlan on_plane_of(MissionPlan plan, const GeoOrigin& origin) {
   const auto move = [&](Eigen::Vector2d& p) { p = to.to_plane(from.to_geo(p)); };
   for (MissionPoint& point : plan.points) move(point.north_east);
   std::for_each(plan.fence.begin(), plan.fence.end(), move);
+  move(plan.search.corner);
+  for (GroupMember& member : plan.group) move(member.start);
   for (InjectedMap& map : plan.injected) {
     for (Polygon& outline : map.outlines) std::for_each(outline.begin(), outline.end(), move);
   }
@@ -161,7 +163,7 @@ void check_mission(const MissionPlan& plan) {
   check_limits(plan);
   check_fence(plan);
   if (plan.points.empty()) {
-    throw Error("the mission has no points", plan.place, "one [[mission_point]] or more");
+    throw Error("the mission has no points", plan.place, "one [[mission_point]] or more, or a [search_area]");
   }
   for (const MissionPoint& p : plan.points) check_point(plan, p);
   for (const InjectedMap& map : plan.injected) {

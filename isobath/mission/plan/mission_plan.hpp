@@ -9,6 +9,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/geometry/polygon.hpp>
+#include <isobath/mission/plan/search_area.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,8 +75,12 @@ struct MissionPlan {
   Place place;  ///< in the file it comes from
   std::string title;
   double speed = 1.5;  ///< m/s
+  /// With a search area these are the stations of its lanes (search_area.hpp).
   std::vector<MissionPoint> points;
-  Polygon fence;  ///< simple, any sense; empty: none
+  SearchArea search;
+  std::vector<GroupMember> group;  ///< the vehicles that share the mission; empty: this one alone
+  std::size_t own = 0;             ///< which of them this vehicle is
+  Polygon fence;                   ///< simple, any sense; empty: none
   Place fence_place;
   MissionLimits limits;
   MissionEnd at_end = MissionEnd::kHold;

@@ -140,6 +140,18 @@ const PlanAction& PlanExecutor::start(Time now) {
   return graph_.nodes[0].action;
 }
 
+const PlanAction* PlanExecutor::update(PlanGraph newer, Time now) {
+  check_plan_graph(newer);
+  const bool has_more = node_ && !graph_.terminal(*node_);
+  const std::optional<PlanAction> present = has_more ? std::optional(graph_.nodes[*node_].action) : std::nullopt;
+  graph_ = std::move(newer);
+  followed_.reset();
+  const auto same = std::ranges::find_if(graph_.nodes, [&](const PlanNode& node) { return node.action == present; });
+  if (same == graph_.nodes.end()) return &start(now);
+  node_ = static_cast<std::size_t>(same - graph_.nodes.begin());
+  return nullptr;
+}
+
 const PlanAction* PlanExecutor::cycle(Time now, const PlanDatabase& database) {
   ISOBATH_ASSERT(node_.has_value());
   for (std::size_t i = 0; i < graph_.arcs.size(); ++i) {

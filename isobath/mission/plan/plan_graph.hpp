@@ -111,6 +111,12 @@ class PlanExecutor {
   /// The action of a node that was reached in this cycle, or null. `start` must have been called.
   const PlanAction* cycle(Time now, const PlanDatabase& database);
 
+  /// A newer graph replaces what is not executed yet (S2-24). Where it has a node with the action of the present one,
+  /// and that is not terminal, the executor goes on there, without a new arrival, and the result is null; else it
+  /// arrives at the first node, and the result is its action. Throws Error like check_plan_graph, and then changes
+  /// nothing.
+  const PlanAction* update(PlanGraph newer, Time now);
+
   [[nodiscard]] bool started() const { return node_.has_value(); }
   /// Whether the node is terminal.
   [[nodiscard]] bool finished() const { return node_ && graph_.terminal(*node_); }

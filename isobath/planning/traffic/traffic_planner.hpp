@@ -105,8 +105,8 @@ class TrafficPlanner {
   [[nodiscard]] const RoadWork& road_work() const { return roads_.work(); }
   /// The roles toward the bodies.
   [[nodiscard]] const RulesOfTheRoad& rules() const { return rules_; }
-  /// Takes the goal, the roles and the plan of a planner with other settings. The plan is dropped if that vehicle may be
-  /// faster than this one; else it stays in force while it is free.
+  /// Takes the goal, the roles and the plan of a planner with other settings. The plan is dropped if that vehicle may
+  /// be faster than this one; else it stays in force while it is free.
   void continue_from(const TrafficPlanner& before);
   /// Bodies of the last step that the plan passes within `within_m`, by time.
   [[nodiscard]] std::vector<Passage> passages(Time now, double within_m) const;

@@ -1,0 +1,322 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/agents/commodore.hpp>
+#include <limits>
+
+namespace isobath {
+
+using Eigen::Vector2d;
+
+namespace {
+
+constexpr std::size_t kNobodyLeads = 255;
+
+LaneBits bit_of(std::size_t lane) { return LaneBits{1} << lane; }
+
+/// "lanes 3 to 5, 8", counted from 1.
+std::string text_of_lanes(std::vector<std::size_t> lanes) {
+  if (lanes.empty()) return "no lane";
+  std::ranges::sort(lanes);
+  std::string text;
+  for (std::size_t i = 0; i < lanes.size();) {
+    std::size_t j = i;
+    while (j + 1 < lanes.size() && lanes[j + 1] == lanes[j] + 1) ++j;
+    text += text.empty() ? "" : ", ";
+    text += j > i ? fmt::format("{} to {}", lanes[i] + 1, lanes[j] + 1) : fmt::format("{}", lanes[i] + 1);
+    i = j + 1;
+  }
+  return (lanes.size() > 1 ? "lanes " : "lane ") + text;
+}
+
+/// The lanes of a vehicle in the order of a plan, without those that are done.
+std::vector<std::size_t> lanes_of_vehicle(const GroupPlan& plan, std::size_t vehicle, LaneBits done) {
+  std::vector<std::size_t> lanes;
+  for (std::size_t k = 0; k < plan.owner.size(); ++k) {
+    if (plan.owner[k] && *plan.owner[k] == vehicle && (done & bit_of(k)) == 0) lanes.push_back(k);
+  }
+  if (!plan.ascending) std::ranges::reverse(lanes);
+  return lanes;
+}
+
+}  // namespace
+
+std::vector<Field> fields(CommodoreConfig& c) {
+  return {Field::real("slot_s", &c.slot_s, {0.1, 600}, "s", "Time in which one vehicle may send a packet."),
+          Field::integer("lost_turns", &c.lost_turns, {1, 1000}, "1",
+                         "A vehicle that is not heard for so many turns of all vehicles counts as lost."),
+          Field::real("replan_s", &c.replan_s, {0.1, 3600}, "s", "Time between two divisions of the lanes."),
+          Field::real("turn_s", &c.turn_s, {0, 600}, "s", "Time that a turn into the next lane is taken to cost.")};
+}
+
+void Commodore::on_message(const Message& message, Time now, Outbox& out) {
+  if (const auto* fix = std::get_if<Navigation>(&message)) {
+    here_W_ = fix->X_WB.translation.head<2>();
+    if (fix->covariance) sigma_m_ = std::sqrt(std::max(0.0, ((*fix->covariance)(0, 0) + (*fix->covariance)(1, 1)) / 2));
+  }
+  if (const auto* order = std::get_if<MissionOrder>(&message)) {
+    if (order->kind == MissionOrder::Kind::kStart) begin(*order, now, out);
+  }
+  if (!plan_) return;
+  if (const auto* report = std::get_if<PointReport>(&message)) on(*report, now, out);
+  if (const auto* report = std::get_if<MissionReport>(&message)) {
+    over_ = report->phase == MissionPhase::kFinished || report->phase == MissionPhase::kAborted;
+  }
+  if (const auto* frame = std::get_if<LinkFrame>(&message)) {
+    if (frame->way == LinkFrame::Way::kFromGroup) on_frame(*frame, now, out);
+  }
+}
+
+void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
+  const bool shares = order.plan && order.plan->search.on() && order.plan->own < order.plan->group.size();
+  plan_ = shares ? order.plan : nullptr;
+  if (!shares) return;
+  lanes_ = lanes_of(plan_->search);
+  stations_ = plan_->search.stations();
+  own_ = plan_->own;
+  members_.assign(plan_->group.size(), Member{now, {}, false});
+  for (std::size_t i = 0; i < members_.size(); ++i) members_[i].status.place_W = plan_->group[i].start;
+  done_ = 0;
+  lane_.reset();
+  visits_.clear();
+  over_ = told_done_ = plan_last_ = false;
+  replanned_ = now;
+  // All vehicles make the same first plan.
+  std::vector<std::size_t> open(lanes_.size());
+  for (std::size_t k = 0; k < open.size(); ++k) open[k] = k;
+  std::vector<LaneSailor> sailors;
+  for (const Member& member : members_) sailors.push_back({member.status.place_W, 0});
+  const LaneShares shares_of_all = share_lanes(lanes_, open, sailors, {plan_->speed, config_.turn_s});
+  GroupPlan first{0, 1, shares_of_all.ascending, 0, {}};
+  first.owner.resize(lanes_.size());
+  for (std::size_t v = 0; v < shares_of_all.lanes.size(); ++v) {
+    for (const std::size_t k : shares_of_all.lanes[v]) first.owner[k] = static_cast<std::uint8_t>(v);
+  }
+  take(first, "the first plan, which all vehicles make alike", now, out);
+}
+
+void Commodore::on(const PointReport& report, Time now, Outbox& out) {
+  const bool visited = report.kind == PointReport::Kind::kReached || report.kind == PointReport::Kind::kDropped;
+  if (!visited || std::erase(visits_, report.point) == 0) return;
+  lane_ = report.point / stations_;
+  const bool goes_on = std::ranges::any_of(visits_, [this](std::size_t point) { return point / stations_ == *lane_; });
+  if (goes_on) return;
+  done_ |= bit_of(*lane_);
+  lane_.reset();
+  if (all_done()) order("all lanes are done", now, out);
+}
+
+void Commodore::on_frame(const LinkFrame& frame, Time now, Outbox& out) {
+  const auto word = group_word_of(frame.bytes);
+  if (!word) return;
+  std::visit(
+      [&](const auto& known) {
+        if (known.from < members_.size() && known.from != own_) on(known, now, out);
+      },
+      *word);
+}
+
+void Commodore::note_heard(std::size_t vehicle, Time now, Outbox& out) {
+  Member& member = members_[vehicle];
+  member.heard = now;
+  if (!member.lost) return;
+  member.lost = false;
+  replanned_.reset();
+  decide(now, "heard again", name_of_vehicle(vehicle) + " is heard again", out);
+}
+
+void Commodore::on(const GroupStatus& status, Time now, Outbox& out) {
+  Member& member = members_[status.from];
+  const bool first = member.status.number == 0 && member.status.lanes == 0;
+  if (status.lanes != lanes_.size()) return;  // another mission
+  if (!first && !newer(status.number, member.status.number)) return;
+  note_heard(status.from, now, out);
+  member.status = status;
+  const bool was_done = all_done();
+  done_ |= status.done;
+  if (!was_done && all_done()) order("all lanes are done", now, out);
+}
+
+void Commodore::on(const GroupPlan& plan, Time now, Outbox& out) {
+  if (plan.owner.size() != lanes_.size()) return;
+  note_heard(plan.from, now, out);
+  done_ |= plan.done;
+  const auto leads = leader();
+  if (leads && plan.from > *leads) return;  // a vehicle before it leads
+  const bool known = shared_ && shared_->from == plan.from && !newer(plan.version, shared_->version);
+  if (!known) take(plan, fmt::format("{} shares the lanes anew", name_of_vehicle(plan.from)), now, out);
+}
+
+bool Commodore::sails(std::size_t vehicle) const {
+  return vehicle == own_ ? !over_ : !members_[vehicle].lost && !members_[vehicle].status.over;
+}
+
+std::optional<std::size_t> Commodore::leader() const {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (sails(i)) return i;
+  }
+  return std::nullopt;
+}
+
+/// Where a vehicle will begin its next lane, and when: at the end of the lane that it is sailing, which is taken to be
+/// the farther one.
+LaneSailor Commodore::sailor_of(std::size_t vehicle) const {
+  const Vector2d place_W = vehicle == own_ ? here_W_ : members_[vehicle].status.place_W;
+  std::optional<std::size_t> lane;
+  if (vehicle == own_) {
+    lane = lane_;
+  } else if (members_[vehicle].status.lane) {
+    lane = *members_[vehicle].status.lane;
+  }
+  if (!lane || *lane >= lanes_.size()) return {place_W, 0};
+  const Lane& sailed = lanes_[*lane];
+  const double to_first_m = (sailed.from_W - place_W).norm(), to_second_m = (sailed.to_W - place_W).norm();
+  return to_first_m > to_second_m ? LaneSailor{sailed.from_W, to_first_m / plan_->speed}
+                                  : LaneSailor{sailed.to_W, to_second_m / plan_->speed};
+}
+
+void Commodore::lead(Time now, Outbox& out) {
+  if (leader() != own_ || all_done() || (replanned_ && to_seconds(now - *replanned_) < config_.replan_s)) return;
+  replanned_ = now;
+  const SailingRules rules{plan_->speed, config_.turn_s};
+  std::vector<std::size_t> vehicles;
+  std::vector<LaneSailor> sailors;
+  LaneBits taken = done_;
+  GroupPlan next{static_cast<std::uint8_t>(own_), 1, true, done_, {}};
+  next.owner.resize(lanes_.size());
+  for (std::size_t v = 0; v < members_.size(); ++v) {
+    if (!sails(v)) continue;
+    vehicles.push_back(v);
+    sailors.push_back(sailor_of(v));
+    const auto lane = v == own_ ? lane_ : std::optional<std::size_t>(members_[v].status.lane);
+    if (!lane || *lane >= lanes_.size()) continue;
+    taken |= bit_of(*lane);
+    next.owner[*lane] = static_cast<std::uint8_t>(v);
+  }
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    if ((taken & bit_of(k)) == 0) open.push_back(k);
+  }
+  // How long the plan in force takes: for ever, if it gives a lane to a vehicle that does not sail.
+  double present_s = 0;
+  LaneBits given = taken;
+  for (std::size_t i = 0; i < vehicles.size() && shared_; ++i) {
+    const std::vector<std::size_t> mine = lanes_of_vehicle(*shared_, vehicles[i], taken);
+    for (const std::size_t k : mine) given |= bit_of(k);
+    present_s = std::max(present_s, sailing_s(lanes_, mine, sailors[i], rules));
+  }
+  const bool somebody_is_missing = !shared_ || std::popcount(given) < static_cast<int>(lanes_.size());
+  const LaneShares shares = share_lanes(lanes_, open, sailors, rules);
+  const bool better = shares.last_s < (1 - kGain) * present_s - kGain_s;
+  if (!somebody_is_missing && !better) return;
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    for (const std::size_t k : shares.lanes[i]) next.owner[k] = static_cast<std::uint8_t>(vehicles[i]);
+  }
+  next.ascending = shares.ascending;
+  if (shared_) next.version = static_cast<std::uint16_t>(shared_->version + 1);
+  take(next,
+       somebody_is_missing
+           ? std::string("lanes of a vehicle that does not sail go to the others")
+           : fmt::format("the last vehicle is done in {:.0f} s instead of {:.0f} s", shares.last_s, present_s),
+       now, out);
+}
+
+void Commodore::take(const GroupPlan& plan, const std::string& why, Time now, Outbox& out) {
+  shared_ = plan;
+  std::string text = why + ": ";
+  for (std::size_t v = 0; v < members_.size(); ++v) {
+    text +=
+        fmt::format("{}{} {}", v > 0 ? "; " : "", name_of_vehicle(v), text_of_lanes(lanes_of_vehicle(plan, v, done_)));
+  }
+  decide(now, "share lanes", text, out);
+  order(why, now, out);
+}
+
+/// The own points of the plan, from where the vehicle is.
+void Commodore::order(const std::string& why, Time now, Outbox& out) {
+  if (!shared_ || over_) return;
+  const bool last = all_done();
+  std::vector<std::size_t> mine = lanes_of_vehicle(*shared_, own_, done_);
+  std::vector<std::size_t> points;
+  Vector2d from_W = here_W_;
+  if (lane_) {  // it sails this lane to its end
+    std::erase(mine, *lane_);
+    std::ranges::copy_if(visits_, std::back_inserter(points),
+                         [this](std::size_t point) { return point / stations_ == *lane_; });
+    from_W = plan_->points[points.back()].north_east;
+  }
+  const std::vector<LaneVisit> lanes = visits_of(lanes_, mine, from_W);
+  const std::vector<std::size_t> rest = stations_of(lanes, stations_);
+  points.insert(points.end(), rest.begin(), rest.end());
+  if (points == visits_ && last == plan_last_ && orders_ > 0) return;
+  visits_ = points;
+  plan_last_ = last;
+  out.say(
+      VisitOrder{++orders_, points, last, fmt::format("{}: {}", why, last ? "the mission ends" : text_of_lanes(mine))});
+  if (last && !told_done_) {
+    told_done_ = true;
+    decide(now, "area searched", fmt::format("all {} lanes are done", lanes_.size()), out);
+  }
+}
+
+bool Commodore::all_done() const { return static_cast<std::size_t>(std::popcount(done_)) == lanes_.size(); }
+
+void Commodore::watch(Time now, Outbox& out) {
+  const double lost_s = config_.lost_turns * config_.slot_s * static_cast<double>(members_.size());
+  for (std::size_t v = 0; v < members_.size(); ++v) {
+    Member& member = members_[v];
+    if (v == own_ || member.lost || to_seconds(now - member.heard) <= lost_s) continue;
+    member.lost = true;
+    replanned_.reset();
+    decide(now, "vehicle lost", fmt::format("{} was not heard for {:.0f} s", name_of_vehicle(v), lost_s), out);
+  }
+}
+
+void Commodore::send(Time now, Outbox& out) {
+  const double turn_s = config_.slot_s * static_cast<double>(members_.size());
+  const double today_s = to_seconds(now.time_since_epoch()) / turn_s;
+  const auto turn =
+      static_cast<std::int64_t>(std::floor(today_s - static_cast<double>(own_) / static_cast<double>(members_.size())));
+  if (sent_in_ == turn) return;
+  const bool first = !sent_in_;
+  sent_in_ = turn;
+  if (first) return;  // the slot may be almost over
+  const auto unknown_to = [&](std::size_t v) {
+    const GroupStatus& heard = members_[v].status;
+    return v != own_ && sails(v) && (heard.leader.value_or(kNobodyLeads) != own_ || heard.version != shared_->version);
+  };
+  bool news = false;
+  for (std::size_t v = 0; v < members_.size() && shared_; ++v) news = news || unknown_to(v);
+  if (news && leader() == own_ && shared_->from == own_ && shared_->version > 1 && turn % 2 == 0) {
+    GroupPlan plan = *shared_;
+    plan.done = done_;
+    out.say(LinkFrame{LinkFrame::Way::kToGroup, to_bytes(plan)});
+    return;
+  }
+  GroupStatus status;
+  status.from = static_cast<std::uint8_t>(own_);
+  status.number = ++number_;
+  status.place_W = here_W_;
+  status.sigma_m = sigma_m_;
+  if (lane_) status.lane = static_cast<std::uint8_t>(*lane_);
+  if (shared_) status.leader = shared_->from;
+  status.version = shared_ ? shared_->version : 0;
+  status.over = over_;
+  status.lanes = static_cast<std::uint8_t>(lanes_.size());
+  status.done = done_;
+  out.say(LinkFrame{LinkFrame::Way::kToGroup, to_bytes(status)});
+}
+
+void Commodore::tick(Time now, Outbox& out) {
+  if (!plan_) return;
+  watch(now, out);
+  lead(now, out);
+  send(now, out);
+}
+
+void Commodore::decide(Time now, const char* what, std::string reason, Outbox& out) {
+  out.say(Decision{now, "commodore", what, std::move(reason)});
+}
+
+}  // namespace isobath

@@ -1,0 +1,94 @@
+// Commodore: the group level of a vehicle: shares the lanes of a search area with the other vehicles of the group, over
+// an acoustic link that loses and delays packets (Herman 1988, 2, 3.1; ledger S2-02, S2-10, S2-17, S2-25, S2-50,
+// S2-51).
+//
+// Receives MissionOrder, PointReport, MissionReport, Navigation and LinkFrame (from the group). Sends VisitOrder,
+// LinkFrame (to the group) and Decision. Does nothing in a mission without a search area or without a group.
+//
+// Every vehicle has a Commodore; that of the first vehicle in the list that is heard and can sail leads. It divides the
+// lanes (lane_sharing.hpp), numbers the plan, and sends it. The others follow the plan of the first vehicle that they
+// hear. The first plan needs no packet: all vehicles make it from the places where the mission expects them to start.
+//
+// Leading: every `replan_s` the lanes that nobody has sailed or is sailing are divided anew. The new plan takes the
+// place of the old one if the last vehicle is done earlier by kGain and kGain_s; while nothing happens, it does not
+// (S2-25). Nobody sails the lanes of a vehicle that is lost or whose mission has ended, so such a plan is replaced.
+//
+// Link: each vehicle has a slot of `slot_s` in turn, by the time of day, and sends one packet in it: its status, or as
+// leader, in every other slot while somebody has not confirmed the newest plan, the plan. A vehicle that was not heard
+// for `lost_turns` turns of all slots counts as lost, until it is heard again. What was sailed is merged from every
+// packet, so lost and repeated packets do no harm.
+//
+// A lane is done when its last station is reached, or dropped because of an obstacle. Once all are done, the vehicle
+// ends its mission as the plan says; until then a vehicle without a lane holds its position and may get another one.
+#pragma once
+
+#include <isobath/mission/messages/agent.hpp>
+#include <isobath/mission/messages/group_words.hpp>
+#include <isobath/mission/plan/lane_sharing.hpp>
+#include <optional>
+
+namespace isobath {
+
+struct CommodoreConfig {
+  double slot_s = 5;
+  int lost_turns = 6;
+  double replan_s = 10;
+  double turn_s = 10;  ///< for a turn into the next lane, beyond the way
+};
+std::vector<Field> fields(CommodoreConfig& config);
+
+class Commodore final : public Agent {
+ public:
+  static constexpr double kGain = 0.1, kGain_s = 20;
+
+  explicit Commodore(const CommodoreConfig& config) : config_(config) {}
+
+  void on_message(const Message& message, Time now, Outbox& out) override;
+  void tick(Time now, Outbox& out) override;
+
+ private:
+  struct Member {
+    Time heard;          ///< last; at first the start of the mission
+    GroupStatus status;  ///< the last
+    bool lost = false;
+  };
+  void begin(const MissionOrder& order, Time now, Outbox& out);
+  void on(const PointReport& report, Time now, Outbox& out);
+  void on_frame(const LinkFrame& frame, Time now, Outbox& out);
+  void on(const GroupStatus& status, Time now, Outbox& out);
+  void on(const GroupPlan& plan, Time now, Outbox& out);
+  void note_heard(std::size_t vehicle, Time now, Outbox& out);
+  void watch(Time now, Outbox& out);
+  [[nodiscard]] bool sails(std::size_t vehicle) const;
+  /// The first vehicle that is heard and can sail.
+  [[nodiscard]] std::optional<std::size_t> leader() const;
+  [[nodiscard]] LaneSailor sailor_of(std::size_t vehicle) const;
+  void lead(Time now, Outbox& out);
+  void take(const GroupPlan& plan, const std::string& why, Time now, Outbox& out);
+  void order(const std::string& why, Time now, Outbox& out);
+  void send(Time now, Outbox& out);
+  [[nodiscard]] bool is_done(std::size_t lane) const { return (done_ >> lane & 1U) != 0; }
+  [[nodiscard]] bool all_done() const;
+  [[nodiscard]] std::string name_of_vehicle(std::size_t vehicle) const { return plan_->group[vehicle].name; }
+  static void decide(Time now, const char* what, std::string reason, Outbox& out);
+
+  CommodoreConfig config_;
+  std::shared_ptr<const MissionPlan> plan_;  ///< null: nothing to share
+  std::vector<Lane> lanes_;
+  std::size_t own_ = 0;
+  std::vector<Member> members_;
+  Eigen::Vector2d here_W_ = Eigen::Vector2d::Zero();
+  double sigma_m_ = 0;
+  LaneBits done_ = 0;
+  std::optional<GroupPlan> shared_;  ///< that is followed
+  std::size_t stations_ = 0;         ///< of a lane
+  std::optional<std::size_t> lane_;  ///< that is being sailed
+  std::vector<std::size_t> visits_;  ///< points that are ordered and not visited yet
+  std::uint32_t orders_ = 0;
+  std::uint16_t number_ = 0;
+  bool over_ = false, told_done_ = false, plan_last_ = false;
+  std::optional<Time> replanned_;
+  std::optional<std::int64_t> sent_in_;  ///< number of the turn in which it last sent
+};
+
+}  // namespace isobath

@@ -1,0 +1,64 @@
+// Group words: what the vehicles of a group tell one another over an acoustic link that loses, repeats and delays
+// packets (ledger S2-50, S2-51).
+//
+// Two kinds of packet, each whole in itself: there are no acknowledgements, and a packet that arrives twice or late
+// changes nothing. A status has a number that rises with each packet of its vehicle; a plan has the version of its
+// leader. What was done (lanes that were sailed) only ever grows, so that it may be merged from any packet.
+//
+// Layout, little endian: "IG", version 1, kind (1), sender (1), then
+//   status  number (2), north and east (2 each, in half metres), sigma (1, in half metres), lane (1; 255: none), plan's
+//           leader (1; 255: no plan) and version (2), flags (1; bit 0: over), lanes (1), lanes done (one bit each)
+//   plan    version (2), flags (1; bit 0: ascending), lanes (1), lanes done (one bit each), owners (4 bits a lane;
+//           15: nobody)
+// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a status has 22 bytes, a plan 23. Input is
+// untrusted: anything else is no packet.
+#pragma once
+
+#include <Eigen/Core>
+#include <isobath/mission/messages/frame_bytes.hpp>
+#include <isobath/mission/plan/search_area.hpp>
+#include <optional>
+#include <variant>
+
+namespace isobath {
+
+/// One bit a lane.
+using LaneBits = std::uint64_t;
+static_assert(kMaxLanes <= 64);
+
+struct GroupStatus {
+  std::uint8_t from = 0;  ///< index of the vehicle in the group
+  std::uint16_t number = 0;
+  Eigen::Vector2d place_W = Eigen::Vector2d::Zero();  ///< m, to half a metre
+  double sigma_m = 0;                                 ///< of the place, to half a metre
+  std::optional<std::uint8_t> lane;                   ///< that it is sailing
+  std::optional<std::uint8_t> leader;                 ///< whose plan it follows
+  std::uint16_t version = 0;                          ///< of that plan
+  bool over = false;                                  ///< its mission has ended; it will sail no more lanes
+  std::uint8_t lanes = 0;                             ///< of the area
+  LaneBits done = 0;
+  bool operator==(const GroupStatus&) const = default;
+};
+
+struct GroupPlan {
+  std::uint8_t from = 0;  ///< the leader
+  std::uint16_t version = 0;
+  bool ascending = true;
+  LaneBits done = 0;
+  std::vector<std::optional<std::uint8_t>> owner;  ///< by lane: the vehicle
+  bool operator==(const GroupPlan&) const = default;
+};
+
+FrameBytes to_bytes(const GroupStatus& status);
+FrameBytes to_bytes(const GroupPlan& plan);
+/// Whether a frame claims to be of a group; frames of the operator's link do not.
+bool is_of_group(std::span<const std::uint8_t> bytes);
+/// Empty where the bytes are not a whole packet.
+std::optional<std::variant<GroupStatus, GroupPlan>> group_word_of(std::span<const std::uint8_t> bytes);
+
+/// Whether a number that wraps is newer than another.
+inline bool newer(std::uint16_t number, std::uint16_t than) {
+  return number != than && static_cast<std::uint16_t>(number - than) < 0x8000;
+}
+
+}  // namespace isobath

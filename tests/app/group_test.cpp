@@ -1,0 +1,124 @@
+// Several vehicles in one water, as a user meets them: `isobath run` of a scene with a group.
+#include <algorithm>
+#include <fmt/format.h>
+#include <tests/app/program.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+using testing::HasSubstr;
+
+/// Two vehicles over four lanes of 40 m, with a sonar that takes little time.
+std::filesystem::path scene(const std::filesystem::path& folder, const std::string& bravo = "") {
+  const std::string vehicle = (test::source_folder() / "vehicles/remus100.toml").string();
+  return test::write(folder / "group.toml", fmt::format(R"([scene]
+title = "A group"
+duration_s = 500
+[bottom]
+kind = "flat"
+material = "mud"
+depth = 25
+[vehicle]
+name = "alpha"
+file = "{}"
+start = [-15, 10, 12]
+[[group_vehicle]]
+name = "bravo"
+start = [-15, 30, 12]
+{}
+[acoustic_link]
+loss = 0.3
+[navigation]
+kind = "drift"
+[search_area]
+length_m = 40
+station_m = 20
+breadth_m = 40
+depth_m = 12
+[[sonar]]
+preset = "oculus_m750d"
+range_m = 30
+bins = 60
+interval_s = 1
+)",
+                                                        vehicle, bravo));
+}
+
+test::ProgramResult run(const std::filesystem::path& file, const std::filesystem::path& out,
+                        const std::string& threads) {
+  return test::isobath({"run", file.string(), "--out", out.string(), "--threads", threads});
+}
+
+// ledger: S2-10 S2-50 S2-51
+TEST(Group, SharesAnAreaOverALinkThatLosesPackets) {
+  const auto folder = test::scratch_folder();
+  const auto file = scene(folder);
+  const auto result = run(file, folder / "one", "2");
+  ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
+  EXPECT_THAT(result.out, HasSubstr("2 vehicles searched"));
+  const auto group = test::json_of(folder / "one/group.json");
+  EXPECT_GE(group["searched"].get<double>(), 0.95);
+  EXPECT_LE(group["overlap"].get<double>(), 0.1);
+  EXPECT_GT(group["least_separation_m"].get<double>(), 5);
+  ASSERT_EQ(group["vehicles"].size(), 2u);
+  for (const auto& vehicle : group["vehicles"]) {
+    EXPECT_EQ(vehicle["lanes"], 2);
+    EXPECT_EQ(vehicle["phase"], "finished");
+    EXPECT_LT(vehicle["link"]["bits_per_s"].get<double>(), 80);
+    EXPECT_GT(vehicle["link"]["received"].get<int>(), 0);
+    EXPECT_GT(vehicle["link"]["lost"].get<int>(), 0) << "the link loses packets";
+  }
+  // The vehicles err on their own: their navigation has its own errors.
+  const auto error_m = [&](const char* name) {
+    return test::json_of(folder / "one" / name / "mission.json")["truth"]["navigation_error_last_m"].get<double>();
+  };
+  EXPECT_NE(error_m("alpha"), error_m("bravo"));
+}
+
+// Each vehicle has its own simulator, maps and agents; together they are a function of scene and seed. ledger: S6-57
+TEST(Group, IsTheSameOnAnyNumberOfThreads) {
+  const auto folder = test::scratch_folder();
+  const auto file = scene(folder);
+  for (const char* threads : {"1", "2"}) {
+    const auto result = test::isobath({"run", file.string(), "--out", (folder / threads).string(), "--threads", threads,
+                                       "--set", "simulation.duration_s=40"});
+    EXPECT_EQ(result.exit_code, 1) << "the mission did not end";
+  }
+  const auto one = test::files_of(folder / "1"), two = test::files_of(folder / "2");
+  EXPECT_EQ(one.size(), two.size());
+  for (const auto& [name, bytes] : one) EXPECT_TRUE(two.at(name) == bytes) << name;
+}
+
+// ledger: S2-17 S2-50
+TEST(Group, TakesOverTheShareOfAVehicleThatIsLost) {
+  const auto folder = test::scratch_folder();
+  const auto result = run(scene(folder, "lost_s = 30"), folder / "out", "2");
+  ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
+  const auto group = test::json_of(folder / "out/group.json");
+  EXPECT_GE(group["searched"].get<double>(), 0.95);
+  EXPECT_EQ(group["vehicles"][0]["lanes"], 4);
+  EXPECT_NEAR(group["vehicles"][1]["lost_s"].get<double>(), 30, 0.2);
+  EXPECT_GT(group["least_separation_m"].get<double>(), 0) << "it passes the lost one, which it sees";
+  const std::string decisions = test::content_of(folder / "out/alpha/decisions.json");
+  EXPECT_THAT(decisions, HasSubstr("bravo was not heard for 60 s"));
+  EXPECT_THAT(decisions, HasSubstr("all 4 lanes are done"));
+}
+
+TEST(Group, IsRefusedWhereOneVehicleIsExpected) {
+  const auto folder = test::scratch_folder();
+  const std::string file = scene(folder).string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"sim", file, "--out", (folder / "log.mcap").string()},
+        {"run", file, "--out", (folder / "out").string(), "--live"},
+        {"run", file, "--out", (folder / "out").string(), "--map", (folder / "map").string()}}) {
+    EXPECT_THAT(test::isobath(words),
+                test::ends_with_one_line(testing::AnyOf(HasSubstr("vehicles"), HasSubstr("group"))));
+  }
+  const auto alone = test::write(folder / "alone.toml", "[scene]\n[[group_vehicle]]\nstart = [5, 5, 1]\n");
+  EXPECT_THAT(test::isobath({"run", alone.string(), "--out", (folder / "out").string()}),
+              test::ends_with_one_line(HasSubstr("search_area")));
+}
+
+}  // namespace
+}  // namespace isobath

@@ -1,0 +1,231 @@
+// The Commodore under a script: what it orders, what it sends, and what it does when packets are lost, late or
+// repeated.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <isobath/mission/agents/commodore.hpp>
+
+#include "agent_script.hpp"
+
+namespace isobath::commodore {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// One vehicle of a group of two, over eight lanes of 120 m.
+class CommodoreTest : public testing::Test {
+ protected:
+  CommodoreTest() {
+    plan.search.length_m = 120;
+    plan.search.breadth_m = 80;
+    plan.search.spacing_m = 10;
+    plan.search.station_m = 120;  // its ends only
+    for (const Lane& lane : lanes_of(plan.search)) {
+      plan.points.push_back({.north_east = lane.from_W});
+      plan.points.push_back({.north_east = lane.to_W});
+    }
+    plan.group = {{"alpha", {-5, 15}}, {"bravo", {-5, 55}}};
+  }
+  /// The vehicle starts; what it says.
+  std::vector<Message> start(std::size_t own) {
+    plan.own = own;
+    agent = std::make_unique<Commodore>(CommodoreConfig{});
+    script = std::make_unique<Script>(*agent);
+    script->hear(fix(0, plan.group[own].start.x(), plan.group[own].start.y()), 0);
+    MissionOrder order;
+    order.plan = std::make_shared<const MissionPlan>(plan);
+    return script->hear(order, 0);
+  }
+  void visit(std::initializer_list<std::size_t> points) {
+    for (const std::size_t point : points) script->hear(PointReport{PointReport::Kind::kReached, point, ""}, now);
+  }
+  template <class Word>
+  std::vector<Message> hear(const Word& word) {
+    return script->hear(LinkFrame{LinkFrame::Way::kFromGroup, to_bytes(word)}, now);
+  }
+  std::vector<Message> wait(double s) {
+    std::vector<Message> all;
+    for (int i = 0; i < static_cast<int>(s * 10 + 0.5); ++i) {
+      for (Message& one : script->tick(now += 0.1)) all.push_back(std::move(one));
+    }
+    return all;
+  }
+  /// A status of the other vehicle.
+  GroupStatus status(std::uint8_t from, LaneBits done = 0) {
+    GroupStatus s;
+    s.from = from;
+    s.number = ++number;
+    s.place_W = plan.group[from].start;
+    s.leader = 0;
+    s.version = 1;
+    s.lanes = 8;
+    s.done = done;
+    return s;
+  }
+  static std::vector<std::string> decided(const std::vector<Message>& said) {
+    std::vector<std::string> all;
+    for (const Decision& d : only<Decision>(said)) all.push_back(d.what);
+    return all;
+  }
+
+  MissionPlan plan;
+  std::unique_ptr<Commodore> agent;
+  std::unique_ptr<Script> script;
+  std::uint16_t number = 0;
+  double now = 0;
+};
+
+// The first plan needs no packet: both make the same. ledger: S2-10 S2-19 S2-50
+TEST_F(CommodoreTest, BothVehiclesBeginWithTheSamePlan) {
+  const auto alpha = only<VisitOrder>(start(0));
+  ASSERT_EQ(alpha.size(), 1u);
+  EXPECT_THAT(alpha[0].points, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_FALSE(alpha[0].last);
+  const std::string told = only<Decision>(script->said).at(0).reason;
+  EXPECT_THAT(told, HasSubstr("alpha lanes 1 to 4; bravo lanes 5 to 8"));
+  const auto bravo = only<VisitOrder>(start(1));
+  EXPECT_THAT(bravo.at(0).points, ElementsAre(8, 9, 10, 11, 12, 13, 14, 15));
+  EXPECT_EQ(only<Decision>(script->said).at(0).reason, told);
+}
+
+// While all goes as planned, no plan replaces the first. ledger: S2-25
+TEST_F(CommodoreTest, KeepsItsPlanWhileNothingHappens) {
+  start(0);
+  for (int k = 0; k < 3; ++k) {
+    wait(40);
+    hear(status(1, LaneBits{(1U << k) - 1} << 4));
+    visit({2 * static_cast<std::size_t>(k)});
+    wait(40);
+    hear(status(1, LaneBits{(1U << k) - 1} << 4));
+    visit({2 * static_cast<std::size_t>(k) + 1});
+  }
+  EXPECT_EQ(only<VisitOrder>(script->said).size(), 1u);
+}
+
+// ledger: S2-17 S2-50
+TEST_F(CommodoreTest, TakesOverTheLanesOfAVehicleThatIsNotHeard) {
+  start(0);
+  wait(55);
+  EXPECT_THAT(decided(wait(10)), ElementsAre("vehicle lost", "share lanes")) << "after six turns of 10 s";
+  const VisitOrder order = only<VisitOrder>(script->said).back();
+  EXPECT_EQ(order.points.size(), 16u) << "all lanes";
+  EXPECT_FALSE(order.last);
+  // It is heard again: it gets lanes back, once.
+  EXPECT_THAT(decided(hear(status(1))), ElementsAre("heard again"));
+  EXPECT_THAT(decided(wait(30)), ElementsAre("share lanes"));
+  EXPECT_LT(only<VisitOrder>(script->said).back().points.size(), 16u);
+}
+
+// The lane that is being sailed is sailed to its end, and a lane that the lost vehicle had done stays done.
+// ledger: S2-24 S2-50
+TEST_F(CommodoreTest, GoesOnWithItsLaneAndLeavesOutWhatIsDone) {
+  start(0);
+  hear(status(1, 0b1110'0000));
+  visit({0, 1, 2});
+  wait(70);
+  const VisitOrder order = only<VisitOrder>(script->said).back();
+  ASSERT_EQ(order.points.size(), 7u) << "the end of lane 2, lanes 3, 4 and 5";
+  EXPECT_EQ(order.points[0], 3u);
+  for (const std::size_t point : order.points) EXPECT_LT(point, 10u);
+}
+
+// ledger: S2-50
+TEST_F(CommodoreTest, TheSecondVehicleLeadsWhenTheFirstIsLost) {
+  start(1);
+  const auto said = wait(75);
+  EXPECT_THAT(decided(said), ElementsAre("vehicle lost", "share lanes"));
+  EXPECT_EQ(only<VisitOrder>(said).at(0).points.size(), 16u);
+}
+
+// ledger: S2-50 S2-51
+TEST_F(CommodoreTest, FollowsTheNewestPlanOfItsLeaderOnly) {
+  start(1);
+  GroupPlan plan_2{0, 2, true, 0, std::vector<std::optional<std::uint8_t>>(8, std::uint8_t{0})};
+  plan_2.owner[7] = 1;
+  const auto taken = only<VisitOrder>(hear(plan_2));
+  ASSERT_EQ(taken.size(), 1u);
+  EXPECT_THAT(taken[0].points, testing::UnorderedElementsAre(14, 15));
+  EXPECT_THAT(hear(plan_2), IsEmpty()) << "again";
+  GroupPlan older = plan_2;
+  older.version = 1;
+  older.owner[6] = 1;
+  EXPECT_THAT(hear(older), IsEmpty()) << "late";
+  GroupPlan of_another_mission = plan_2;
+  of_another_mission.version = 9;
+  of_another_mission.owner.resize(5);
+  EXPECT_THAT(hear(of_another_mission), IsEmpty());
+}
+
+// ledger: S2-51
+TEST_F(CommodoreTest, MergesWhatWasSailedFromEveryPacketAndEndsWhenAllIs) {
+  start(0);
+  visit({0, 1, 2, 3, 4, 5, 6, 7});
+  hear(status(1, 0b0011'0000));
+  GroupStatus late = status(1, 0b0111'0000);
+  GroupStatus last = status(1, 0b1111'0000);
+  const auto said = hear(last);
+  EXPECT_THAT(decided(said), ElementsAre("area searched"));
+  const auto order = only<VisitOrder>(said);
+  ASSERT_EQ(order.size(), 1u);
+  EXPECT_TRUE(order[0].last);
+  EXPECT_THAT(order[0].points, IsEmpty());
+  EXPECT_THAT(hear(late), IsEmpty());
+  EXPECT_THAT(hear(last), IsEmpty());
+}
+
+// One packet a turn of all slots, in its own slot, and far below the bit rate of a slow modem. ledger: S2-51
+TEST_F(CommodoreTest, SendsOnePacketATurnInItsSlot) {
+  start(1);
+  std::size_t bytes = 0;
+  int frames = 0;
+  for (int i = 0; i < 1200; ++i) {
+    if (i % 100 == 0) hear(status(0));
+    for (const LinkFrame& frame : only<LinkFrame>(script->tick(now += 0.1))) {
+      EXPECT_EQ(frame.way, LinkFrame::Way::kToGroup);
+      EXPECT_GE(std::fmod(now + 1e-9, 10.0), 5.0) << "the second half of the turn";
+      bytes += frame.bytes.size();
+      ++frames;
+    }
+  }
+  EXPECT_NEAR(frames, 12, 1);
+  EXPECT_LT(8 * static_cast<double>(bytes) / 120, 20) << "bit/s";
+}
+
+// A plan of its own is sent until the others have it. ledger: S2-51
+TEST_F(CommodoreTest, RepeatsANewPlanUntilItIsConfirmed) {
+  plan.group.push_back({"charlie", {-5, 35}});
+  start(0);
+  int plans = 0;
+  std::uint16_t version = 0;
+  const auto count = [&](const std::vector<Message>& said) {
+    for (const LinkFrame& frame : only<LinkFrame>(said)) {
+      const auto word = group_word_of(frame.bytes);
+      if (!word || !std::holds_alternative<GroupPlan>(*word)) continue;
+      ++plans;
+      version = std::get<GroupPlan>(*word).version;
+    }
+  };
+  for (int turn = 0; turn < 20; ++turn) {  // bravo is never heard
+    hear(status(2));
+    count(wait(15));
+  }
+  EXPECT_GE(plans, 4);
+  plans = 0;
+  for (int turn = 0; turn < 20; ++turn) {
+    GroupStatus confirms = status(2);
+    confirms.version = version;
+    hear(confirms);
+    count(wait(15));
+  }
+  EXPECT_EQ(plans, 0);
+}
+
+TEST_F(CommodoreTest, DoesNothingWithoutAGroup) {
+  plan.group.clear();
+  EXPECT_THAT(start(0), IsEmpty());
+  EXPECT_THAT(wait(100), IsEmpty());
+}
+
+}  // namespace
+}  // namespace isobath::commodore
