@@ -108,7 +108,7 @@ std::string group_text(const GroupOutcome& outcome) {
     one["lost_s"] = vehicle.lost_s ? nlohmann::ordered_json(*vehicle.lost_s) : nullptr;
     one["lanes"] = vehicle.lanes;
     one["searched"] = vehicle.searched;
-    one["link"] = {{"packets", n.packets}, {"bytes", n.bytes},       {"bits_per_s", outcome.bit_rate(v)},
+    one["link"] = {{"packets", n.packets}, {"bytes", n.bytes},       {"bit_rate", outcome.bit_rate(v)},
                    {"dropped", n.dropped}, {"received", n.received}, {"out_of_range", n.out_of_range},
                    {"deaf", n.deaf},       {"collided", n.collided}, {"lost", n.lost}};
     json["vehicles"].push_back(std::move(one));

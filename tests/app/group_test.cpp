@@ -1,6 +1,7 @@
 // Several vehicles in one water, as a user meets them: `isobath run` of a scene with a group.
 #include <algorithm>
 #include <fmt/format.h>
+#include <tests/app/json_page.hpp>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 
@@ -45,18 +46,13 @@ interval_s = 1
                                                         vehicle, bravo));
 }
 
-test::ProgramResult run(const std::filesystem::path& file, const std::filesystem::path& out,
-                        const std::string& threads) {
-  return test::isobath({"run", file.string(), "--out", out.string(), "--threads", threads});
-}
-
 // ledger: S2-10 S2-50 S2-51
 TEST(Group, SharesAnAreaOverALinkThatLosesPackets) {
   const auto folder = test::scratch_folder();
   const auto file = scene(folder);
-  const auto result = run(file, folder / "one", "2");
+  const auto result = test::isobath({"run", file.string(), "--out", (folder / "one").string(), "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
-  EXPECT_THAT(result.out, HasSubstr("2 vehicles searched"));
+  test::JsonPage().compare("a group", nlohmann::json::parse(result.out));
   const auto group = test::json_of(folder / "one/group.json");
   EXPECT_GE(group["searched"].get<double>(), 0.95);
   EXPECT_LE(group["overlap"].get<double>(), 0.1);
@@ -65,7 +61,7 @@ TEST(Group, SharesAnAreaOverALinkThatLosesPackets) {
   for (const auto& vehicle : group["vehicles"]) {
     EXPECT_EQ(vehicle["lanes"], 2);
     EXPECT_EQ(vehicle["phase"], "finished");
-    EXPECT_LT(vehicle["link"]["bits_per_s"].get<double>(), 80);
+    EXPECT_LT(vehicle["link"]["bit_rate"].get<double>(), 80);
     EXPECT_GT(vehicle["link"]["received"].get<int>(), 0);
     EXPECT_GT(vehicle["link"]["lost"].get<int>(), 0) << "the link loses packets";
   }
@@ -82,7 +78,7 @@ TEST(Group, IsTheSameOnAnyNumberOfThreads) {
   const auto file = scene(folder);
   for (const char* threads : {"1", "2"}) {
     const auto result = test::isobath({"run", file.string(), "--out", (folder / threads).string(), "--threads", threads,
-                                       "--set", "simulation.duration_s=40"});
+                                       "--set", "simulation.duration_s=25"});
     EXPECT_EQ(result.exit_code, 1) << "the mission did not end";
   }
   const auto one = test::files_of(folder / "1"), two = test::files_of(folder / "2");
@@ -93,8 +89,11 @@ TEST(Group, IsTheSameOnAnyNumberOfThreads) {
 // ledger: S2-17 S2-50
 TEST(Group, TakesOverTheShareOfAVehicleThatIsLost) {
   const auto folder = test::scratch_folder();
-  const auto result = run(scene(folder, "lost_s = 30"), folder / "out", "2");
+  const auto result =
+      test::isobath({"run", scene(folder, "lost_s = 30").string(), "--out", (folder / "out").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
+  EXPECT_THAT(result.out, HasSubstr("2 vehicles searched"));
+  EXPECT_THAT(result.out, HasSubstr("bravo: lost at 30 s"));
   const auto group = test::json_of(folder / "out/group.json");
   EXPECT_GE(group["searched"].get<double>(), 0.95);
   EXPECT_EQ(group["vehicles"][0]["lanes"], 4);

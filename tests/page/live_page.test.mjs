@@ -275,7 +275,7 @@ test('a body that moves is shown where it will be, and a decision says how near 
   const predicted = (wanted) =>
     page.waitForFunction((some) => !document.querySelector('#plan-canvas').dataset.predicted === !some, wanted);
   await predicted(true);
-  assert.equal(await page.getAttribute('#plan-canvas', 'data-meeting'), 'vehicle body');
+  await page.waitForFunction(() => document.querySelector('#plan-canvas').dataset.meeting === 'vehicle body');
   await picture(page, 'crossing-1400');
   await page.keyboard.press('p');
   await predicted(false);
