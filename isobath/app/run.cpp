@@ -191,8 +191,7 @@ std::optional<Scenario> group_of(const RunRequest& request) {
   return scenario;
 }
 
-int run_several(const RunRequest& request, const Scenario& scenario, bool json) {
-  const GroupOutcome outcome = run_group(request, scenario);
+int conclude_group(const RunRequest& request, const GroupOutcome& outcome, bool json) {
   if (json) {
     auto all = nlohmann::ordered_json::parse(group_text(outcome));
     add_files(all, request.out, {"group.json", "group.png"});
@@ -215,7 +214,11 @@ int act(RunCommandOptions& options) {
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
     progress.show(source.bytes_read, source.bytes_total, counts.pings + counts.ranges + counts.swaths);
   };
-  if (const auto scenario = group_of(request)) return run_several(request, *scenario, options.json);
+  if (const auto scenario = group_of(request)) {
+    const GroupOutcome outcome = run_group(request, *scenario);
+    progress.clear();
+    return conclude_group(request, outcome, options.json);
+  }
   const RunOutcome outcome = run(request);
   progress.clear();
   if (options.json) {

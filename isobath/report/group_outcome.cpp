@@ -18,7 +18,7 @@ class SearchedSquares {
       : area_(area),
         along_(std::max(1, static_cast<int>(std::lround(area.length_m / kSquare_m)))),
         across_(std::max(1, static_cast<int>(std::lround(area.breadth_m / kSquare_m)))),
-        by_(static_cast<std::size_t>(along_ * across_)) {}
+        by_(static_cast<std::size_t>(along_) * static_cast<std::size_t>(across_)) {}
 
   void pass(const Vector2d& p_W, std::size_t vehicle) {
     const double reach_m = kReach * area_.lane_breadth_m();
@@ -35,7 +35,8 @@ class SearchedSquares {
       for (int j = first; j < last; ++j) {
         const Vector2d middle((i + 0.5) * kSquare_m, (j + 0.5) * kSquare_m);
         if ((middle - Vector2d(x, y)).squaredNorm() <= reach_m * reach_m) {
-          by_[static_cast<std::size_t>(i * across_ + j)] |= static_cast<std::uint8_t>(1U << vehicle);
+          by_[static_cast<std::size_t>(i) * static_cast<std::size_t>(across_) + static_cast<std::size_t>(j)] |=
+              static_cast<std::uint8_t>(1U << vehicle);
         }
       }
     }

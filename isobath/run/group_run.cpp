@@ -72,7 +72,8 @@ Group::Group(const RunRequest& request, const Scenario& scenario)
       own.record.replace_filename(request.record.stem().string() + "-" + scenario.mission.group[v].name +
                                   request.record.extension().string());
     }
-    if (own.configuration.simulation.seed >= 0) own.configuration.simulation.seed += static_cast<int>(v);
+    int& seed = own.configuration.simulation.seed;
+    if (seed >= 0) seed = seed_of_vehicle(seed, v);
     if (v > 0) own.progress = {};
     runs_.push_back(std::make_unique<VehicleRun>(own));
   }

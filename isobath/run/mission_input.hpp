@@ -4,7 +4,7 @@
 
 #include <filesystem>
 #include <isobath/onboard/mission_setup.hpp>
-#include <isobath/sim/simulator.hpp>
+#include <isobath/scenario/scenario.hpp>
 #include <optional>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/mission/plan/planner_budget.hpp>
 #include <isobath/scenario/scenario.hpp>
+#include <isobath/sim/random_at.hpp>
 
 namespace isobath {
 namespace {
@@ -25,6 +26,8 @@ std::string list_of(const std::vector<FaultConfig>& faults) {
   }
   return text.empty() ? "none" : text;
 }
+
+constexpr std::uint64_t kVehicleSeed = 0x67726f7570;  // "group"
 
 /// The vehicles of the scene are the group of the mission.
 void add_group(Scenario& scenario) {
@@ -56,11 +59,16 @@ Scenario parse_scenario(std::string_view text, const std::string& file) {
   return scenario;
 }
 
+int seed_of_vehicle(int seed, std::size_t vehicle) {
+  if (vehicle == 0) return seed;
+  return static_cast<int>(seed_at(static_cast<std::uint64_t>(seed), kVehicleSeed, vehicle) & 0x7fffffffU);
+}
+
 Scenario Scenario::of_vehicle(std::size_t vehicle) const {
   Scenario one = *this;
   Scene& own = one.scene;
   one.mission.own = vehicle;
-  own.about.seed += static_cast<int>(vehicle);
+  own.about.seed = seed_of_vehicle(own.about.seed, vehicle);
   std::vector<GroupVehicle> all = {
       {scene.vehicle.place, scene.vehicle.name, scene.vehicle.start, scene.vehicle.heading, scene.vehicle.lost_s}};
   all.insert(all.end(), scene.group.begin(), scene.group.end());

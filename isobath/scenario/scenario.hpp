@@ -19,6 +19,9 @@ namespace isobath {
 /// Whether a path names a scene: it ends in .toml, or it is empty (the embedded scene).
 bool is_scene(const std::filesystem::path& input);
 
+/// The seed of a vehicle of a group; the first has that of the run.
+int seed_of_vehicle(int seed, std::size_t vehicle);
+
 /// Scene and mission of one vehicle, or of a group: the vehicles of a scene with a group share the mission's search
 /// area.
 struct Scenario {

@@ -2,6 +2,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/sim/acoustic_link.hpp>
 #include <isobath/sim/random_at.hpp>
+#include <utility>
 
 namespace isobath {
 
@@ -18,6 +19,7 @@ AcousticLink::AcousticLink(const AcousticLinkConfig& config, std::size_t vehicle
 void AcousticLink::send(std::size_t from, Time now, std::vector<std::uint8_t> bytes,
                         std::span<const Eigen::Vector3d> places_W) {
   ISOBATH_ASSERT(from < counts_.size() && places_W.size() == counts_.size());
+  const std::vector<std::uint8_t> packet = std::move(bytes);
   std::vector<Span>& own = sending_[from];
   LinkCounts& count = counts_[from];
   const auto waiting = std::ranges::count_if(own, [now](const Span& span) { return span.begin > now; });
@@ -26,10 +28,10 @@ void AcousticLink::send(std::size_t from, Time now, std::vector<std::uint8_t> by
     return;
   }
   const Time begin = own.empty() ? now : std::max(now, own.back().end);
-  const Span span{begin, begin + seconds(8 * static_cast<double>(bytes.size()) / config_.bit_rate)};
+  const Span span{begin, begin + seconds(8 * static_cast<double>(packet.size()) / config_.bit_rate)};
   own.push_back(span);
   ++count.packets;
-  count.bytes += bytes.size();
+  count.bytes += packet.size();
   for (std::size_t to = 0; to < counts_.size(); ++to) {
     if (to == from) continue;
     const double away_m = (places_W[to] - places_W[from]).norm();
@@ -38,7 +40,7 @@ void AcousticLink::send(std::size_t from, Time now, std::vector<std::uint8_t> by
       continue;
     }
     const Duration on_its_way = seconds(config_.delay_s + away_m / kSoundSpeed);
-    packets_.push_back({from, to, {span.begin + on_its_way, span.end + on_its_way}, bytes});
+    packets_.push_back({from, to, {span.begin + on_its_way, span.end + on_its_way}, packet});
   }
 }
 

@@ -229,14 +229,27 @@ void drop_replaced(std::vector<Material>& materials) {
   materials = std::move(kept);
 }
 
+/// The results of a vehicle go into a folder of its name.
+void check_vehicle_name(const std::string& name, const Place& place) {
+  constexpr std::size_t kMax = 40;
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+           c == ' ';
+  };
+  if (!name.empty() && name.size() <= kMax && std::ranges::all_of(name, allowed)) return;
+  refuse(place, "name", "not the name of a vehicle", "1 to 40 letters, digits, -, _ and spaces");
+}
+
 void check_group(const Scene& scene) {
   std::vector<std::string> names = {scene.vehicle.name};
   if (scene.group.size() >= kMaxGroup) {
     refuse(scene.group.back().place, "name", fmt::format("{} vehicles in a group", scene.group.size() + 1),
            fmt::format("up to {}", kMaxGroup));
   }
+  if (!scene.group.empty()) check_vehicle_name(scene.vehicle.name, scene.vehicle.place);
   for (const GroupVehicle& vehicle : scene.group) {
-    if (vehicle.name.empty() || std::ranges::find(names, vehicle.name) != names.end()) {
+    check_vehicle_name(vehicle.name, vehicle.place);
+    if (std::ranges::find(names, vehicle.name) != names.end()) {
       refuse(vehicle.place, "name", "two vehicles have this name: " + vehicle.name, "another name");
     }
     names.push_back(vehicle.name);

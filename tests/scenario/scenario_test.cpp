@@ -121,6 +121,44 @@ TEST(Scenario, NamesThePlaceOfWhatIsWrong) {
   EXPECT_NE(problem_of("[scene]\n[misison]\n").find("a.toml:2:"), std::string::npos);
 }
 
+// Each vehicle of a group sees the others as bodies, and knows which one it is. ledger: S2-50
+TEST(Scenario, OfAGroupIsTheSameMissionForEachVehicle) {
+  const std::string text =
+      "[scene]\n[vehicle]\nname = \"alpha\"\nstart = [1, 2, 3]\n[[group_vehicle]]\nname = \"bravo\"\nstart = [10, 20, "
+      "3]\n"
+      "[[group_vehicle]]\nname = \"charlie\"\nstart = [50, 20, 3]\n[[sphere]]\ncentre = [99, 0, 3]\n"
+      "[search_area]\nlength_m = 60\nbreadth_m = 20\n";
+  const Scenario all = parse_scenario(text, "a.toml");
+  ASSERT_EQ(all.mission.group.size(), 3u);
+  EXPECT_EQ(all.mission.points.size(), 6u) << "two lanes of three stations";
+  const Scenario bravo = all.of_vehicle(1);
+  EXPECT_EQ(bravo.mission.own, 1u);
+  EXPECT_EQ(bravo.scene.vehicle.start, Eigen::Vector3d(10, 20, 3));
+  ASSERT_EQ(bravo.scene.bodies.size(), 3u);
+  EXPECT_EQ(bravo.scene.bodies[bravo.body_of(0)].name, "alpha");
+  EXPECT_EQ(bravo.scene.bodies[bravo.body_of(2)].name, "charlie");
+  EXPECT_EQ(all.of_vehicle(0).scene.about.seed, all.scene.about.seed);
+  EXPECT_NE(bravo.scene.about.seed, all.of_vehicle(2).scene.about.seed);
+  Simulator simulator(bravo.scene);
+  simulator.steer_body(bravo.body_of(0), 5, {30, 2, 3}, {1, 0, 0});
+  const Body& body = simulator.scene().bodies[bravo.body_of(0)];
+  EXPECT_EQ(displacement(body, 5.5), Eigen::Vector3d(29.5, 0, 0)) << "it goes on";
+  const auto problem_of = [&](const std::string& from, const std::string& to) {
+    std::string other = text;
+    other.replace(other.find(from), from.size(), to);
+    try {
+      (void)parse_scenario(other, "a.toml");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(problem_of("charlie", "bravo").find("two vehicles have this name"), std::string::npos);
+  EXPECT_NE(problem_of("charlie", "../etc").find("not the name of a vehicle"), std::string::npos);
+  EXPECT_NE(problem_of("bravo", "").find("not the name of a vehicle"), std::string::npos);
+  EXPECT_NE(problem_of("breadth_m = 20", "breadth_m = 9999").find("lanes"), std::string::npos);
+}
+
 // What no simulator has is told as a report of the host, so that a log holds it.
 // ledger: S6-39
 TEST(SimulatedSource, TellsWhatThePlannerIsLeftWhileItsFaultHolds) {
