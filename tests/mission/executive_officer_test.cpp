@@ -300,6 +300,24 @@ TEST_F(ExecutiveOfficerTest, VisitsThePointsThatTheCommodoreOrders) {
   EXPECT_EQ(report().reached, 3u);
 }
 
+// The operator holds the vehicle while its points change: it resumes with the new ones. ledger: S2-32
+TEST_F(ExecutiveOfficerTest, ResumesWithThePointsThatWereOrderedMeanwhile) {
+  plan.search.length_m = 100;
+  plan.group = {{"alpha", {0, 0}}, {"bravo", {0, 50}}};
+  start();
+  script->hear(VisitOrder{1, {0, 1}, false, "first"}, now);
+  planned();
+  script->hear(MissionOrder{MissionOrder::Kind::kHold, nullptr, MissionEnd::kHold, "wait"}, now);
+  EXPECT_TRUE(only<RouteRequest>(script->hear(VisitOrder{2, {2}, true, "another"}, now)).empty());
+  const auto asked_for = only<RouteRequest>(
+      script->hear(MissionOrder{MissionOrder::Kind::kResume, nullptr, MissionEnd::kHold, "go"}, now));
+  ASSERT_EQ(asked_for.size(), 1u);
+  EXPECT_EQ(asked_for[0].point, 2u);
+  planned();
+  passed();
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+}
+
 // ledger: S2-50
 TEST_F(ExecutiveOfficerTest, RefusesOrdersThatAreNone) {
   plan.search.length_m = 100;

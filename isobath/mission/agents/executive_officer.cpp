@@ -151,6 +151,8 @@ void ExecutiveOfficer::on(const MissionOrder& order, Outbox& out) {
       if (!paused_) return;
       paused_ = false;
       report(MissionPhase::kUnderWay, order.why, out);
+      // The Commodore may have ordered other points meanwhile.
+      if (is_shared()) return act(executor_->graph().nodes[executor_->node()].action, out);
       if (errand_ != Errand::kNone) go(errand_, target_, out);
   }
 }
