@@ -89,8 +89,7 @@ TEST(Group, IsTheSameOnAnyNumberOfThreads) {
 // ledger: S2-17 S2-50
 TEST(Group, TakesOverTheShareOfAVehicleThatIsLost) {
   const auto folder = test::scratch_folder();
-  const auto result =
-      test::isobath({"run", scene(folder, "lost_s = 30").string(), "--out", (folder / "out").string()});
+  const auto result = test::isobath({"run", scene(folder, "lost_s = 30").string(), "--out", (folder / "out").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
   EXPECT_THAT(result.out, HasSubstr("2 vehicles searched"));
   EXPECT_THAT(result.out, HasSubstr("bravo: lost at 30 s"));
