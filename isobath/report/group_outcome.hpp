@@ -45,7 +45,7 @@ inline constexpr double kReach = 0.55;
 void add_searched(GroupOutcome& outcome);
 /// The text of group.json.
 std::string group_text(const GroupOutcome& outcome);
-/// PNG: the lanes, the tracks and what was searched.
+/// PNG: the lanes and the true tracks.
 std::string draw_group(const GroupOutcome& outcome);
 /// Lines for a terminal.
 std::vector<std::string> group_summary(const GroupOutcome& outcome);

@@ -17,7 +17,8 @@ namespace isobath {
 
 inline constexpr double kGroupStep_s = 0.1;
 
-/// Throws Error as run does, and for a live run, a page, a map or a recording.
+/// Throws Error as run does, and for a live run, a page, a map or another mission. The recordings of the
+/// vehicles have their names after that of the request: run-alpha.mcap for run.mcap
 GroupOutcome run_group(const RunRequest& request, const Scenario& scenario);
 
 }  // namespace isobath

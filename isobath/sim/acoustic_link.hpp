@@ -28,7 +28,7 @@ struct AcousticLinkConfig {
 };
 std::vector<Field> fields(AcousticLinkConfig& config);
 
-/// Of the packets that one vehicle sent; the losses count receivers.
+/// Counts of the packets that one vehicle sent. Those of the second row count each receiver.
 struct LinkCounts {
   std::uint64_t packets = 0, bytes = 0, dropped = 0;
   std::uint64_t received = 0, out_of_range = 0, deaf = 0, collided = 0, lost = 0;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/agents/commodore.hpp>
-#include <limits>
+#include <numeric>
 
 namespace isobath {
 
@@ -38,6 +38,14 @@ std::vector<std::size_t> lanes_of_vehicle(const GroupPlan& plan, std::size_t veh
   }
   if (!plan.ascending) std::ranges::reverse(lanes);
   return lanes;
+}
+
+/// Enters the lanes of these vehicles, in the order of the shares, into a plan.
+void enter(const LaneShares& shares, const std::vector<std::size_t>& vehicles, GroupPlan& plan) {
+  plan.ascending = shares.ascending;
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    for (const std::size_t k : shares.lanes[i]) plan.owner[k] = static_cast<std::uint8_t>(vehicles[i]);
+  }
 }
 
 }  // namespace
@@ -83,16 +91,14 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   over_ = told_done_ = plan_last_ = false;
   replanned_ = now;
   // All vehicles make the same first plan.
-  std::vector<std::size_t> open(lanes_.size());
-  for (std::size_t k = 0; k < open.size(); ++k) open[k] = k;
+  std::vector<std::size_t> open(lanes_.size()), vehicles(members_.size());
+  std::iota(open.begin(), open.end(), std::size_t{0});
+  std::iota(vehicles.begin(), vehicles.end(), std::size_t{0});
   std::vector<LaneSailor> sailors;
   for (const Member& member : members_) sailors.push_back({member.status.place_W, 0});
-  const LaneShares shares_of_all = share_lanes(lanes_, open, sailors, {plan_->speed, config_.turn_s});
-  GroupPlan first{0, 1, shares_of_all.ascending, 0, {}};
+  GroupPlan first{0, 1, true, 0, {}};
   first.owner.resize(lanes_.size());
-  for (std::size_t v = 0; v < shares_of_all.lanes.size(); ++v) {
-    for (const std::size_t k : shares_of_all.lanes[v]) first.owner[k] = static_cast<std::uint8_t>(v);
-  }
+  enter(share_lanes(lanes_, open, sailors, {plan_->speed, config_.turn_s}), vehicles, first);
   take(first, "the first plan, which all vehicles make alike", now, out);
 }
 
@@ -159,17 +165,18 @@ std::optional<std::size_t> Commodore::leader() const {
   return std::nullopt;
 }
 
+/// The lane that a vehicle is sailing.
+std::optional<std::size_t> Commodore::lane_of(std::size_t vehicle) const {
+  const auto lane = vehicle == own_ ? lane_ : std::optional<std::size_t>(members_[vehicle].status.lane);
+  return lane && *lane < lanes_.size() ? lane : std::nullopt;
+}
+
 /// Where a vehicle will begin its next lane, and when: at the end of the lane that it is sailing, which is taken to be
 /// the farther one.
 LaneSailor Commodore::sailor_of(std::size_t vehicle) const {
   const Vector2d place_W = vehicle == own_ ? here_W_ : members_[vehicle].status.place_W;
-  std::optional<std::size_t> lane;
-  if (vehicle == own_) {
-    lane = lane_;
-  } else if (members_[vehicle].status.lane) {
-    lane = *members_[vehicle].status.lane;
-  }
-  if (!lane || *lane >= lanes_.size()) return {place_W, 0};
+  const auto lane = lane_of(vehicle);
+  if (!lane) return {place_W, 0};
   const Lane& sailed = lanes_[*lane];
   const double to_first_m = (sailed.from_W - place_W).norm(), to_second_m = (sailed.to_W - place_W).norm();
   return to_first_m > to_second_m ? LaneSailor{sailed.from_W, to_first_m / plan_->speed}
@@ -189,8 +196,8 @@ void Commodore::lead(Time now, Outbox& out) {
     if (!sails(v)) continue;
     vehicles.push_back(v);
     sailors.push_back(sailor_of(v));
-    const auto lane = v == own_ ? lane_ : std::optional<std::size_t>(members_[v].status.lane);
-    if (!lane || *lane >= lanes_.size()) continue;
+    const auto lane = lane_of(v);
+    if (!lane) continue;
     taken |= bit_of(*lane);
     next.owner[*lane] = static_cast<std::uint8_t>(v);
   }
@@ -198,7 +205,7 @@ void Commodore::lead(Time now, Outbox& out) {
   for (std::size_t k = 0; k < lanes_.size(); ++k) {
     if ((taken & bit_of(k)) == 0) open.push_back(k);
   }
-  // How long the plan in force takes: for ever, if it gives a lane to a vehicle that does not sail.
+  // How long the vehicles take for the plan in force, and which lanes it gives to vehicles that can sail.
   double present_s = 0;
   LaneBits given = taken;
   for (std::size_t i = 0; i < vehicles.size() && shared_; ++i) {
@@ -210,10 +217,7 @@ void Commodore::lead(Time now, Outbox& out) {
   const LaneShares shares = share_lanes(lanes_, open, sailors, rules);
   const bool better = shares.last_s < (1 - kGain) * present_s - kGain_s;
   if (!somebody_is_missing && !better) return;
-  for (std::size_t i = 0; i < vehicles.size(); ++i) {
-    for (const std::size_t k : shares.lanes[i]) next.owner[k] = static_cast<std::uint8_t>(vehicles[i]);
-  }
-  next.ascending = shares.ascending;
+  enter(shares, vehicles, next);
   if (shared_) next.version = static_cast<std::uint16_t>(shared_->version + 1);
   take(next,
        somebody_is_missing

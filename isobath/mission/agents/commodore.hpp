@@ -9,9 +9,9 @@
 // lanes (lane_sharing.hpp), numbers the plan, and sends it. The others follow the plan of the first vehicle that they
 // hear. The first plan needs no packet: all vehicles make it from the places where the mission expects them to start.
 //
-// Leading: every `replan_s` the lanes that nobody has sailed or is sailing are divided anew. The new plan takes the
-// place of the old one if the last vehicle is done earlier by kGain and kGain_s; while nothing happens, it does not
-// (S2-25). Nobody sails the lanes of a vehicle that is lost or whose mission has ended, so such a plan is replaced.
+// Leading: every `replan_s` the leader divides the lanes that no vehicle has sailed or is sailing. The new plan
+// replaces the old one if the last vehicle is done earlier by kGain and kGain_s, or if the old one gives a lane to a
+// vehicle that is lost or whose mission has ended. While nothing happens, the plan stays (S2-25).
 //
 // Link: each vehicle has a slot of `slot_s` in turn, by the time of day, and sends one packet in it: its status, or as
 // leader, in every other slot while somebody has not confirmed the newest plan, the plan. A vehicle that was not heard
@@ -62,6 +62,7 @@ class Commodore final : public Agent {
   [[nodiscard]] bool sails(std::size_t vehicle) const;
   /// The first vehicle that is heard and can sail.
   [[nodiscard]] std::optional<std::size_t> leader() const;
+  [[nodiscard]] std::optional<std::size_t> lane_of(std::size_t vehicle) const;
   [[nodiscard]] LaneSailor sailor_of(std::size_t vehicle) const;
   void lead(Time now, Outbox& out);
   void take(const GroupPlan& plan, const std::string& why, Time now, Outbox& out);

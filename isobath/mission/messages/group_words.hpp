@@ -9,8 +9,8 @@
 //   status  number (2), north and east (2 each, in half metres), sigma (1, in half metres), lane (1; 255: none), plan's
 //           leader (1; 255: no plan) and version (2), flags (1; bit 0: over), lanes (1), lanes done (one bit each)
 //   plan    version (2), flags (1; bit 0: ascending), lanes (1), lanes done (one bit each), owners (4 bits a lane;
-//           15: nobody)
-// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a status has 22 bytes, a plan 23. Input is
+//           15: none)
+// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a status has 23 bytes, a plan 24. Input is
 // untrusted: anything else is no packet.
 #pragma once
 

@@ -31,7 +31,7 @@ struct SearchArea {
 
   [[nodiscard]] bool on() const { return length_m > 0; }
   [[nodiscard]] std::size_t lanes() const;
-  /// Of a lane; the first and the last are its ends.
+  /// Number of stations of a lane, with its two ends.
   [[nodiscard]] std::size_t stations() const;
   [[nodiscard]] double lane_breadth_m() const { return breadth_m / static_cast<double>(lanes()); }
 };
