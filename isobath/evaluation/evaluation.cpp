@@ -40,8 +40,13 @@ std::vector<Polygon> outlines_in(const RunTruth& truth) {
 
 /// `first`: the result of the first method.
 ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> scenes, std::uint64_t seed,
-                  LoopResult& first) {
+                  ShownRun& first) {
   const SuiteRun run = make_run(request.suite, scenes, seed);
+  if (run.scenario.mission.search.on()) {
+    ScoredRun scored{seed, run.variant, run.conditions, 0, {}, {RunScore{}}};
+    first = run_group_method(request.methods.front(), run, scored.scores.front());
+    return scored;
+  }
   const RunTruth truth(request.suite, run);
   ScoredRun scored{seed, run.variant, run.conditions, truth.way_m(), truth.no_way(), {}};
   for (const ComparedMethod& method : request.methods) {
@@ -58,15 +63,15 @@ ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> sc
     if (!request.suite.stages.empty()) {
       scored.scores.back().story = follow_story(request.suite.stages, run.scenario, outlines_in(truth), log, result);
     }
-    if (&method == &request.methods.front()) first = std::move(result);
+    if (&method == &request.methods.front()) first.result = std::move(result);
   }
   return scored;
 }
 
-void keep_worst(const std::map<std::uint64_t, ScoredRun>& runs, std::map<std::uint64_t, LoopResult>& results) {
+void keep_worst(const std::map<std::uint64_t, ScoredRun>& runs, std::map<std::uint64_t, ShownRun>& results) {
   std::vector<ScoredRun> of_results;
   for (const auto& [seed, result] : results) of_results.push_back(runs.at(seed));
-  std::map<std::uint64_t, LoopResult> worst;
+  std::map<std::uint64_t, ShownRun> worst;
   for (const std::size_t i : worst_runs(of_results, kWorstRuns)) {
     worst.insert(results.extract(of_results[i].seed));
   }
@@ -75,7 +80,7 @@ void keep_worst(const std::map<std::uint64_t, ScoredRun>& runs, std::map<std::ui
 
 /// Runs the missing seeds, on all threads.
 void run_missing(const EvaluationRequest& request, const std::vector<std::uint64_t>& seeds, RunStore& store, int done,
-                 std::map<std::uint64_t, LoopResult>& worst) {
+                 std::map<std::uint64_t, ShownRun>& worst) {
   const std::vector<Scenario> scenes = load_scenes(request.suite);
   std::atomic<std::size_t> next{0};
   std::mutex lock;
@@ -84,7 +89,7 @@ void run_missing(const EvaluationRequest& request, const std::vector<std::uint64
   const auto work = [&] {
     for (std::size_t i = next++; i < seeds.size(); i = next++) {
       try {
-        LoopResult first;
+        ShownRun first;
         const ScoredRun run = run_all(request, scenes, seeds[i], first);
         const std::lock_guard<std::mutex> held(lock);
         store.add(run);
@@ -124,6 +129,7 @@ double badness(const RunScore& s) {
   if (!s.story.failure.empty()) return 3.2;
   if (!s.goal_reached && s.refused.empty()) return 3;
   if (!s.goal_reached) return 2;
+  if (s.group.vehicles > 0) return 1 + s.group.overlap - s.group.searched;
   return std::min(0.5 * s.path_ratio, 1.9);
 }
 
@@ -162,6 +168,32 @@ void sum_up_rules(const std::vector<ScoredRun>& runs, std::size_t method, Summar
   s.passed_astern = shown(&RulesScore::passed_astern, &RulesScore::give_way);
   s.passed_port_to_port = shown(&RulesScore::passed_port_to_port, &RulesScore::head_on);
   s.stood_on = shown(&RulesScore::stood_on, &RulesScore::stand_on);
+}
+
+void sum_up_groups(const std::vector<ScoredRun>& runs, std::size_t method, GroupSummary& s) {
+  std::vector<double> searched, overlap, unlost, all, separation, reassigned, bits;
+  std::size_t lost = 0;
+  for (const ScoredRun& run : runs) {
+    const GroupRunScore& g = run.scores[method].group;
+    if (g.vehicles == 0) continue;
+    ++s.runs;
+    searched.push_back(g.searched);
+    bits.push_back(g.bit_rate);
+    if (g.all_searched_s >= 0) all.push_back(g.all_searched_s);
+    if (g.vehicles > 1) overlap.push_back(g.overlap);
+    if (g.vehicles > 1 && g.lost_s < 0) unlost.push_back(g.overlap);
+    if (g.vehicles > 1) separation.push_back(g.separation_m);
+    lost += g.lost_s >= 0;
+    if (g.reassigned_s >= 0) reassigned.push_back(g.reassigned_s);
+  }
+  s.reassigned = share(reassigned.size(), lost);
+  s.searched = spread(searched);
+  s.overlap = spread(overlap);
+  s.overlap_unlost = spread(unlost);
+  s.all_searched_s = spread(all);
+  s.separation_m = spread(separation);
+  s.reassigned_s = spread(reassigned);
+  s.bit_rate = spread(bits);
 }
 
 void sum_up_story(const std::vector<ScoredRun>& runs, std::size_t method, const std::vector<StoryStage>& stages,
@@ -292,6 +324,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   sum_up_rules(runs, method, s);
   sum_up_rows(runs, method, s);
   sum_up_story(runs, method, stages, s);
+  sum_up_groups(runs, method, s.group);
   return s;
 }
 
@@ -336,6 +369,22 @@ std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& s) {
   if (bars.story_share >= 0 && s.story.value() < bars.story_share) {
     broken.push_back(fmt::format("story_share: {:.3f}, at least {:g}", s.story.value(), bars.story_share));
     for (const auto& [why, count] : s.story_failures) broken.back() += fmt::format("; {} times {}", count, why);
+  }
+  const GroupSummary& g = s.group;
+  if (g.runs == 0) return broken;
+  if (bars.searched_share >= 0 && g.searched.least < bars.searched_share) {
+    broken.push_back(
+        fmt::format("searched_share: {:.3f} in a run, at least {:g}", g.searched.least, bars.searched_share));
+  }
+  if (bars.overlap_share >= 0 && g.overlap_unlost.most > bars.overlap_share) {
+    broken.push_back(
+        fmt::format("overlap_share: {:.3f} in a run, at most {:g}", g.overlap_unlost.most, bars.overlap_share));
+  }
+  if (bars.separation_m >= 0 && g.separation_m.count > 0 && g.separation_m.least < bars.separation_m) {
+    broken.push_back(fmt::format("separation_m: {:.2f} m, at least {:g}", g.separation_m.least, bars.separation_m));
+  }
+  if (bars.bit_rate >= 0 && g.bit_rate.most > bars.bit_rate) {
+    broken.push_back(fmt::format("bit_rate: {:.1f} bit/s, at most {:g}", g.bit_rate.most, bars.bit_rate));
   }
   return broken;
 }

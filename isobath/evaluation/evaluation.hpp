@@ -67,6 +67,14 @@ struct StageSummary {
   Spread after_s, scans;  ///< of these: since the stage before
 };
 
+/// Runs of groups; without runs: there was none.
+struct GroupSummary {
+  std::size_t runs = 0;
+  Spread searched, overlap, all_searched_s, separation_m, reassigned_s, bit_rate;
+  Spread overlap_unlost;  ///< of the runs that lost no vehicle
+  Share reassigned;       ///< of the runs that lost a vehicle; the lost one may have had nothing left to do
+};
+
 struct Summary {
   std::string name;                                                 ///< of the method, or of the variant
   Share collisions, near_misses, encounters, goals, refused, lost;  ///< lost: none of goal, refusal, collision
@@ -89,6 +97,7 @@ struct Summary {
   std::vector<StageSummary> stages;           ///< of the story in their order
   Spread injected_m;                          ///< least distance of the hull's centre from an injected outline
   std::map<std::string, int> story_failures;  ///< with # for every number
+  GroupSummary group;
 };
 Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method,
                   const std::vector<StoryStage>& stages = {});
@@ -110,6 +119,12 @@ struct EvaluationRequest {
   std::function<void(int done, int all)> progress;
 };
 
+/// A run as a report shows it.
+struct ShownRun {
+  LoopResult result;
+  std::optional<GroupRecord> group;  ///< if it had several vehicles
+};
+
 struct Evaluation {
   std::vector<ScoredRun> runs;
   std::vector<Summary> summaries;
@@ -117,7 +132,7 @@ struct Evaluation {
   std::vector<std::string> broken;
   int taken_over = 0;  ///< runs reused from before
   /// By seed, of the new runs only: the first method's kWorstRuns worst, which the report shows.
-  std::map<std::uint64_t, LoopResult> worst;
+  std::map<std::uint64_t, ShownRun> worst;
 };
 
 /// Throws Error if the folder cannot be written or a scene cannot start.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
+#include <isobath/report/group_outcome.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/plot/picture.hpp>
 #include <nlohmann/json.hpp>
@@ -56,6 +57,16 @@ ordered_json story_json(const Summary& s) {
           {"failures", std::move(failures)}};
 }
 
+ordered_json group_json(const GroupSummary& g) {
+  return {{"searched", json_of(g.searched)},
+          {"overlap", json_of(g.overlap)},
+          {"all_searched_s", json_of(g.all_searched_s)},
+          {"separation_m", json_of(g.separation_m)},
+          {"reassigned", json_of(g.reassigned)},
+          {"reassigned_s", json_of(g.reassigned_s)},
+          {"bit_rate", json_of(g.bit_rate)}};
+}
+
 ordered_json json_of(const Summary& s) {
   ordered_json reasons = ordered_json::object();
   for (const auto& [why, count] : s.reasons) reasons[why] = count;
@@ -105,6 +116,7 @@ ordered_json json_of(const Summary& s) {
             {"velocity_rms", json_of(s.velocity_rms)},
             {"opening_known_m", json_of(s.opening_known_m)},
             {"opening_share", json_of(s.opening_share)}}},
+          {"group", s.group.runs > 0 ? group_json(s.group) : ordered_json(nullptr)},
           {"reasons", reasons}};
 }
 
@@ -143,6 +155,10 @@ std::string verdict(const RunScore& s) {
     text = s.proof.fault + ": " + s.proof.failure;
   } else if (!s.story.failure.empty()) {
     text = "the story fails: " + s.story.failure;
+  } else if (s.group.vehicles > 0) {
+    text = fmt::format("searched {:.1f} % of the area, and {:.1f} % of it twice", 100 * s.group.searched,
+                       100 * s.group.overlap);
+    if (!s.refused.empty()) text += "; " + s.refused;
   } else if (s.goal_reached) {
     text = s.path_ratio > 0 ? fmt::format("reached the goal on {:.2f} times the shortest path", s.path_ratio)
                             : "reached the goal";
@@ -162,9 +178,61 @@ std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& 
   return fmt::format("isobath eval {} --runs 1 --seed {}{}{}", request.suite.name, run.seed, variant, replay);
 }
 
+/// Distributions of the runs.
+void show_distributions(const EvaluationRequest& request, const Evaluation& evaluation, HtmlReport& page) {
+  page.begin_row();
+  page.figure(distribution_chart(
+                  request, evaluation, "Minimum clearance", "m from the hull", 0, 15,
+                  [](const RunScore& s) { return s.nearest_body.empty() ? -1 : std::max(0.0, s.min_clearance_m); }),
+              "Minimum distance from the hull to a body in each run. Further to the right is safer.");
+  if (evaluation.summaries.front().group.runs == 0) {
+    page.figure(distribution_chart(request, evaluation, "Path length", "times the shortest", 0.9, 2,
+                                   [](const RunScore& s) { return s.path_ratio; }),
+                "Only runs that reached the goal; the height at the right end is their share.");
+    page.end_row();
+    return;
+  }
+  page.figure(distribution_chart(request, evaluation, "Area searched", "share of the area", 0.8, 1,
+                                 [](const RunScore& s) { return s.group.searched; }),
+              "Share of the area that some vehicle passed within 0.55 lane breadths. Further to the right is better.");
+  page.figure(distribution_chart(request, evaluation, "Searched twice or more", "share of the area", 0, 0.3,
+                                 [](const RunScore& s) { return s.group.vehicles > 1 ? s.group.overlap : -1; }),
+              "Share of the area that two or more vehicles searched; only runs of several vehicles.");
+  page.end_row();
+}
+
+/// What the figures of the tables mean.
+std::string meaning_of_figures(const Evaluation& evaluation) {
+  const std::string intervals =
+      "Shares of runs have their 95 % intervals (Wilson); other values are the median with the 5 and 95 % quantiles of "
+      "the runs. ";
+  const std::string clearances = fmt::format(
+      "For a hull of {:g} m, a clearance below {:g} m is a collision, below {:g} m a near miss and below {:g} m an "
+      "encounter; other hulls in proportion. ",
+      kReferenceHull_m, kCollision_m, kNearMiss_m, kEncounter_m);
+  if (evaluation.summaries.front().group.runs > 0) {
+    return intervals + clearances +
+           "A place counts as searched by a vehicle that truly passed within 0.55 lane breadths of it. The last lane "
+           "is "
+           "done when the first vehicle knows that all are.";
+  }
+  return intervals + clearances +
+         fmt::format(
+             "The path ratio is the path length over that of the route planner with every outline known, at the same "
+             "clearance. False obstacles have an existence probability of at least {:g}, and neither a body nor a "
+             "bottom that the vehicle must avoid is there.",
+             kSureObstacle);
+}
+
 /// The conditions that were drawn, and the variant.
 std::string conditions_of(const ScoredRun& run) {
   return run.variant.empty() ? run.conditions : run.variant + "; " + run.conditions;
+}
+
+ShownRun run_again(const EvaluationRequest& request, const SuiteRun& run) {
+  RunScore ignored;
+  if (run.scenario.mission.search.on()) return run_group_method(request.methods.front(), run, ignored);
+  return {run_method(request.methods.front(), run, RunTruth(request.suite, run).vehicle()), std::nullopt};
 }
 
 PlanExtent around(const RunTruth& truth, const SuiteRun& run, const LoopResult& result) {
@@ -243,13 +311,7 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   page.heading("Results");
   const auto table = evaluation_table(evaluation);
   page.table(table.front(), {table.begin() + 1, table.end()});
-  page.paragraph(fmt::format(
-      "Shares have their 95 % intervals (Wilson); other values are the median with the 5 and 95 % quantiles of the "
-      "runs. The path ratio is the path length over that of the route planner with every outline known, at the same "
-      "clearance. For a hull of {:g} m, a clearance below {:g} m is a collision, below {:g} m a near miss and below "
-      "{:g} m an encounter; other hulls in proportion. False obstacles have an existence probability of at least {:g}, "
-      "and neither a body nor a bottom that the vehicle must avoid is there.",
-      kReferenceHull_m, kCollision_m, kNearMiss_m, kEncounter_m, kSureObstacle));
+  page.paragraph(meaning_of_figures(evaluation));
   for (const std::string& line : comparison_lines(evaluation)) page.paragraph(ours.name + " " + line + ".");
   for (const Summary& s : evaluation.summaries) {
     for (const auto& [why, count] : s.reasons)
@@ -258,28 +320,22 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   if (const auto variants = variant_table(evaluation); !variants.empty()) {
     page.heading("Variants");
     page.table(variants.front(), {variants.begin() + 1, variants.end()});
-    page.paragraph("All of " + ours.name +
-                   ". Path ratio and clearance are medians; false obstacles are means over all scans.");
+    if (evaluation.summaries.front().group.runs == 0) {
+      page.paragraph("All of " + ours.name +
+                     ". Path ratio and clearance are medians; false obstacles are means over all scans.");
+    }
   }
   page.heading("Distributions");
-  page.begin_row();
-  page.figure(distribution_chart(
-                  request, evaluation, "Minimum clearance", "m from the hull", 0, 15,
-                  [](const RunScore& s) { return s.nearest_body.empty() ? -1 : std::max(0.0, s.min_clearance_m); }),
-              "Minimum distance from the hull to a body in each run. Further to the right is safer.");
-  page.figure(distribution_chart(request, evaluation, "Path length", "times the shortest", 0.9, 2,
-                                 [](const RunScore& s) { return s.path_ratio; }),
-              "Only runs that reached the goal; the height at the right end is their share.");
-  page.end_row();
+  show_distributions(request, evaluation, page);
   page.heading("The worst runs");
   const std::vector<Scenario> scenes = load_scenes(request.suite);
   for (const std::size_t i : worst_runs(evaluation.runs, kWorstRuns)) {
     const ScoredRun& scored = evaluation.runs[i];
     const SuiteRun run = make_run(request.suite, scenes, scored.seed);
-    const RunTruth truth(request.suite, run);
     const auto done = evaluation.worst.find(scored.seed);
-    const LoopResult result = done != evaluation.worst.end() ? done->second : run_method(ours, run, truth.vehicle());
-    page.figure(run_picture(run, truth, result, fmt::format("seed {}", scored.seed)),
+    const auto [result, group] = done != evaluation.worst.end() ? done->second : run_again(request, run);
+    const std::string title = fmt::format("seed {}", scored.seed);
+    page.figure(group ? draw_group(*group, title) : run_picture(run, RunTruth(request.suite, run), result, title),
                 fmt::format("{}. To repeat it: {}", conditions_of(scored), how_to_run_again(request, scored)));
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
     std::string decisions;

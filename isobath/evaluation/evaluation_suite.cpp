@@ -56,7 +56,9 @@ std::vector<Field> vary_fields(VariationConfig& c) {
           Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1",
                          "Minimum and maximum factor on the noise of the sonars."),
           Field::numbers("density", c.density.data(), 2, {0, 10}, "1",
-                         "Minimum and maximum factor on the density of the clutter.")};
+                         "Minimum and maximum factor on the density of the clutter."),
+          Field::numbers("lost_s", c.lost_s.data(), 2, {0, 1e5}, "s",
+                         "Minimum and maximum time at which a group with loses_vehicle loses one.")};
 }
 
 std::vector<Field> bar_fields(BarsConfig& c) {
@@ -74,6 +76,15 @@ std::vector<Field> bar_fields(BarsConfig& c) {
                   "Minimum share of the fault runs that show what the fault table states; -1: no bar."),
       Field::real("story_share", &c.story_share, {-1, 1}, "1",
                   "Minimum share of the runs that show the whole story; -1: no bar."),
+      Field::real("searched_share", &c.searched_share, {-1, 1}, "1",
+                  "Minimum share of the area that a group searches, in every run; -1: no bar."),
+      Field::real(
+          "overlap_share", &c.overlap_share, {-1, 1}, "1",
+          "Maximum share of the area that two or more vehicles search, in every run that loses none; -1: no bar."),
+      Field::real("separation_m", &c.separation_m, {-1, 1000}, "m",
+                  "Minimum distance between the hulls of two vehicles, in every run; -1: no bar."),
+      Field::real("bit_rate", &c.bit_rate, {-1, 1e6}, "bit/s",
+                  "Maximum rate that one vehicle of a group sends, in every run; -1: no bar."),
   };
 }
 
@@ -107,6 +118,7 @@ void check_suite(Suite& s, const std::string& file) {
       refuse("stage.point", "is missing in stage " + stage.name, "a mission point");
   }
   s.variants = variants_of(s.axes);
+  ordered("vary.lost_s", s.vary.lost_s);
   ordered("vary.drift", s.vary.drift);
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
@@ -117,6 +129,21 @@ void check_suite(Suite& s, const std::string& file) {
       refuse("baseline.helm", fmt::format("{} is listed twice", to_text(s.baselines[i])), "each once");
     }
   }
+}
+
+/// What a suite of groups has not.
+void check_group(const Suite& suite, const Scenario& scenario, const std::string& file) {
+  const auto refuse = [&file](const char* key, const char* problem, const char* allowed) {
+    throw Error(problem, {.file = file, .key = key}, allowed);
+  };
+  if (scenario.scene.group.empty()) {
+    if (!suite.axes.groups.empty()) refuse("group", "the scene has one vehicle", "a scene with [[group_vehicle]]");
+    return;
+  }
+  if (!suite.baselines.empty()) refuse("baseline.helm", "no baseline steers a group", "a [[group]] of one vehicle");
+  if (!suite.stages.empty()) refuse("stage", "a group has no story", "a scene with one vehicle");
+  if (suite.encounters.on) refuse("encounters.on", "a group meets no encounters", "a scene with one vehicle");
+  if (suite.replay.on) refuse("replay.on", "a group meets no replayed traffic", "a scene with one vehicle");
 }
 
 /// FNV-1a, 64 bits.
@@ -163,14 +190,28 @@ void draw_current(Random random, const VariationConfig& vary, SuiteRun& run) {
 }
 
 void draw_start(Random random, const VariationConfig& vary, SuiteRun& run) {
+  const auto move = [&](Eigen::Vector3d& start, Angle& heading) {
+    const double north = random.uniform(-1, 1);
+    const double east = random.uniform(-1, 1);
+    const double turn = random.uniform(-1, 1);
+    start += Eigen::Vector3d(north * vary.start.x(), east * vary.start.y(), 0);
+    heading = (heading + vary.heading * turn).wrapped();
+  };
   VehicleConfig& vehicle = run.scenario.scene.vehicle;
-  const double north = random.uniform(-1, 1);
-  const double east = random.uniform(-1, 1);
-  const double turn = random.uniform(-1, 1);
-  vehicle.start += Eigen::Vector3d(north * vary.start.x(), east * vary.start.y(), 0);
-  vehicle.heading = (vehicle.heading + vary.heading * turn).wrapped();
+  move(vehicle.start, vehicle.heading);
+  for (GroupVehicle& other : run.scenario.scene.group) move(other.start, other.heading);
   run.conditions += fmt::format("start at north {:.1f} m, east {:.1f} m, heading {:.0f} deg", vehicle.start.x(),
                                 vehicle.start.y(), vehicle.heading.wrapped_positive().degrees());
+}
+
+void draw_loss_of_vehicle(Random random, const VariationConfig& vary, SuiteRun& run) {
+  Scene& scene = run.scenario.scene;
+  const auto which = std::min(
+      static_cast<std::size_t>(random.uniform(0, 1) * static_cast<double>(scene.group.size() + 1)), scene.group.size());
+  const double at_s = random.uniform(vary.lost_s[0], vary.lost_s[1]);
+  (which == 0 ? scene.vehicle.lost_s : scene.group[which - 1].lost_s) = at_s;
+  run.conditions +=
+      fmt::format("; {} is lost after {:.0f} s", which == 0 ? scene.vehicle.name : scene.group[which - 1].name, at_s);
 }
 
 /// From its start straight to the first mission point.
@@ -247,6 +288,12 @@ Schema schema(Suite& s) {
          vehicle.place = place;
          return fields(vehicle);
        }},
+      {"group", "Vehicles of a scene with a group; the runs take the groups in turn.",
+       [&s](const Place& place) {
+         SuiteGroup& group = s.axes.groups.emplace_back();
+         group.place = place;
+         return fields(group);
+       }},
       {"sonar", "An imaging sonar instead of those of the scene; runs take them in turn.", [&s](const Place& place) {
          SonarConfig& sonar = s.axes.sonars.emplace_back();
          sonar.place = place;
@@ -266,7 +313,9 @@ Suite load_suite(const fs::path& file) {
   suite.digest = digest_of(0xcbf29ce484222325u, text);
   for (const std::string& scene : suite.scenes) {
     suite.digest = digest_of(suite.digest, text_of_file(scene));
-    const std::string vehicle = load_scenario(scene).scene.vehicle.file;
+    const Scenario scenario = load_scenario(scene);
+    check_group(suite, scenario, file.string());
+    const std::string& vehicle = scenario.scene.vehicle.file;
     if (!vehicle.empty()) suite.digest = digest_of(suite.digest, text_of_file(vehicle));
   }
   for (const SuiteVehicle& vehicle : suite.axes.vehicles) {
@@ -336,10 +385,12 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
     run.row = &fault_table()[which];
     run.conditions = std::string(run.row->name) + "; ";
   }
+  bool loses_vehicle = false;
   if (!suite.variants.empty()) {
     const SuiteVariant& variant = suite.variants[seed % suite.variants.size()];
     apply(variant, run.scenario);
     run.variant = variant.name;
+    loses_vehicle = variant.group && variant.group->loses_vehicle;
   }
   Scene& scene = run.scenario.scene;
   scene.about.seed = static_cast<int>(seed);
@@ -375,6 +426,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   }
   if (suite.replay.on) add_traffic(suite, replay_seed, run);
   if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
+  if (loses_vehicle) draw_loss_of_vehicle(random.fork(), suite.vary, run);
   return run;
 }
 

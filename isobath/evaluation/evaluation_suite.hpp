@@ -11,6 +11,9 @@
 // A suite of encounters (sim/encounters.hpp) takes the 55 situations in turn: the run of a seed uses situation seed mod
 // 55. Their bodies meet a vehicle that goes straight from its drawn start to the first mission point.
 //
+// A suite of groups (group_score.hpp) has a scene with several vehicles and no baselines; a [[group]] of one vehicle is
+// what the others are compared with.
+//
 // A suite of replayed traffic (traffic_replay.hpp) needs a recording of ships, from its file or from the command line.
 //
 // A suite of a story (mission_story.hpp) states the stages that each run must show, in their order.
@@ -18,7 +21,7 @@
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
 // reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
 // noise level of the sonars, field of obstacles, encounters, replayed traffic. Each of these has a random stream of its
-// own; values are uniform.
+// own; values are uniform. In a group each vehicle has a start of its own; the vehicle that is lost is drawn last.
 #pragma once
 
 #include <cstdint>
@@ -69,10 +72,11 @@ struct SuiteConfig {
 struct VariationConfig {
   Eigen::Vector2d start = {0, 0};  ///< north, east, m
   Angle heading;
-  double current = 0;                ///< maximum, m/s, any direction; in suites of faults added to that of the scene
-  Eigen::Vector2d drift = {0, 0};    ///< share of the distance travelled, with a navigator of the kind `drift`
-  Eigen::Vector2d noise = {1, 1};    ///< factor on the noise of all sonars
-  Eigen::Vector2d density = {1, 1};  ///< factor on the density of the clutter
+  double current = 0;                  ///< maximum, m/s, any direction; in suites of faults added to that of the scene
+  Eigen::Vector2d drift = {0, 0};      ///< share of the distance travelled, with a navigator of the kind `drift`
+  Eigen::Vector2d noise = {1, 1};      ///< factor on the noise of all sonars
+  Eigen::Vector2d density = {1, 1};    ///< factor on the density of the clutter
+  Eigen::Vector2d lost_s = {60, 200};  ///< when a vehicle of a group is lost, s
 };
 
 /// The bars for Isobath's agents; a bar of -1 is not applied.
@@ -84,6 +88,11 @@ struct BarsConfig {
   double false_obstacles_20m = -1;  ///< within 20 m of the vehicle, per scan
   double shown_share = -1;          ///< share of the fault runs that show what their rows state
   double story_share = -1;          ///< share of the runs that show the story
+  // Of a group, in every run:
+  double searched_share = -1;
+  double overlap_share = -1;  ///< where no vehicle is lost
+  double separation_m = -1;
+  double bit_rate = -1;  ///< bit/s of each vehicle
 };
 
 struct Suite {

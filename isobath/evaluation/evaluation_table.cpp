@@ -26,9 +26,64 @@ std::string cell_text(int count, const Share& runs) {
                      static_cast<double>(count) / std::max(1.0, static_cast<double>(runs.of)));
 }
 
+std::string percent(const Spread& s, double value) {
+  return s.count == 0 ? "none" : fmt::format("{:.1f}", 100 * value);
+}
+
+Spread in_percent(Spread s) {
+  for (double* value : {&s.least, &s.low, &s.median, &s.high, &s.most}) *value *= 100;
+  return s;
+}
+
+std::vector<std::vector<std::string>> group_table(const Evaluation& evaluation) {
+  std::vector<std::vector<std::string>> rows;
+  const auto row = [&](const std::string& what, const auto& cell) {
+    std::vector<std::string>& line = rows.emplace_back(1, what);
+    for (const Summary& s : evaluation.summaries) line.push_back(cell(s));
+  };
+  row("", [](const Summary& s) { return s.name; });
+  row("all lanes done, missions ended", [](const Summary& s) { return cell_text(s.goals); });
+  row("collision", [](const Summary& s) { return cell_text(s.collisions); });
+  row("area searched, %", [](const Summary& s) { return cell_text(in_percent(s.group.searched), 1); });
+  row("... least", [](const Summary& s) { return percent(s.group.searched, s.group.searched.least); });
+  row("... by two or more, %", [](const Summary& s) { return cell_text(in_percent(s.group.overlap), 1); });
+  row("... most", [](const Summary& s) { return percent(s.group.overlap, s.group.overlap.most); });
+  row("last lane done, s", [](const Summary& s) { return cell_text(s.group.all_searched_s, 0); });
+  row("separation of two hulls, m", [](const Summary& s) { return cell_text(s.group.separation_m, 1); });
+  row("... least", [](const Summary& s) { return fmt::format("{:.2f}", s.group.separation_m.least); });
+  row("vehicle lost, its lanes shared anew", [](const Summary& s) { return cell_text(s.group.reassigned); });
+  row("... after, s", [](const Summary& s) { return cell_text(s.group.reassigned_s, 0); });
+  row("bit/s of the vehicle that sent most", [](const Summary& s) { return cell_text(s.group.bit_rate, 1); });
+  row("minimum clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
+  row("stations dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });
+  row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
+  row("safety actions", [](const Summary& s) { return cell_text(s.safety_actions, s.goals); });
+  return rows;
+}
+
+std::vector<std::vector<std::string>> group_variant_table(const Evaluation& evaluation) {
+  std::vector<std::vector<std::string>> rows;
+  rows.push_back({"variant", "runs", "done", "collision", "searched, %", "least", "twice, %", "most", "last lane, s",
+                  "least separation, m", "shared anew after, s", "most", "bit/s"});
+  const auto text = [](const Spread& s, double value, int digits) {
+    return s.count == 0 ? std::string("none") : fmt::format("{:.{}f}", value, digits);
+  };
+  for (const Summary& s : evaluation.variants) {
+    const GroupSummary& g = s.group;
+    rows.push_back({s.name, fmt::format("{}", g.runs), fmt::format("{}", s.goals.count),
+                    fmt::format("{}", s.collisions.count), percent(g.searched, g.searched.median),
+                    percent(g.searched, g.searched.least), percent(g.overlap, g.overlap.median),
+                    percent(g.overlap, g.overlap.most), text(g.all_searched_s, g.all_searched_s.median, 0),
+                    text(g.separation_m, g.separation_m.least, 1), text(g.reassigned_s, g.reassigned_s.median, 0),
+                    text(g.reassigned_s, g.reassigned_s.most, 0), text(g.bit_rate, g.bit_rate.most, 1)});
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluation) {
+  if (evaluation.summaries.front().group.runs > 0) return group_table(evaluation);
   std::vector<std::vector<std::string>> rows;
   const auto row = [&](const std::string& what, const auto& cell) {
     std::vector<std::string>& line = rows.emplace_back(1, what);
@@ -97,6 +152,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
 std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation) {
   std::vector<std::vector<std::string>> rows;
   if (evaluation.variants.empty()) return rows;
+  if (evaluation.summaries.front().group.runs > 0) return group_variant_table(evaluation);
   rows.push_back({"variant", "runs", "goal", "collision", "refused", "path ratio", "minimum clearance, m",
                   "false obstacles", "within 20 m"});
   const auto count = [](const Share& share) { return fmt::format("{}", share.count); };

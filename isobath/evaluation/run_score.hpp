@@ -15,6 +15,7 @@
 
 #include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/evaluation/fault_injection_check.hpp>
+#include <isobath/evaluation/group_score.hpp>
 #include <isobath/evaluation/rules_score.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/run/closed_loop.hpp>
@@ -64,6 +65,7 @@ struct RunScore {
   FaultInjectionCheck proof;  ///< for runs of a fault suite
   StoryCheck story;           ///< for runs of a suite with a story
   RulesScore rules;           ///< for runs of a suite of encounters
+  GroupRunScore group;        ///< for runs of a group of vehicles
 };
 
 /// The ground truth for all helms of one run.

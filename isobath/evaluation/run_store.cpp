@@ -8,13 +8,15 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaultInjectionCheck, fault, after_s, failure)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StoryCheck, after_s, scans, failure, min_injected_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RulesScore, give_way, passed_astern, head_on, passed_port_to_port, stand_on,
                                    stood_on)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupRunScore, vehicles, searched, overlap, all_searched_s, separation_m, lost_s,
+                                   reassigned_s, bit_rate)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunScore, collision, near_miss, encounter, contact_s, contact_with, min_clearance_m,
                                    nearest_body, goal_reached, goal_s, goal_distance_m, refused, points_dropped, path_m,
                                    duration_s, path_ratio, time_ratio, delay_pings, first_range_m, range_error_m,
                                    bodies_missed, replans, false_replans, safety_actions, opening_known_m,
                                    opening_share, scans, false_obstacles, near_false_obstacles, unseen_false_obstacles,
                                    moving_bodies, moving_known, moving_known_s, ospa_m, velocity_rms, proof, story,
-                                   rules)
+                                   rules, group)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScoredRun, seed, variant, conditions, way_m, no_way, scores)
 
 std::string to_line(const ScoredRun& run, const std::string& fingerprint) {

@@ -89,6 +89,15 @@ std::vector<Field> fields(SuiteVehicle& v) {
           Field::real("speed", &v.speed, {0.01, 30}, "m/s", "Speed of its missions.")};
 }
 
+std::vector<Field> fields(SuiteGroup& g) {
+  return {Field::text("name", &g.name, "The part of a variant's name that stands for this group."),
+          Field::integer("vehicles", &g.vehicles, {1, static_cast<int>(kMaxGroup)}, "",
+                         "Number of vehicles: the first ones of the scene."),
+          Field::real("loss", &g.loss, {0, 1}, "1", "Share of the packets that the acoustic link loses."),
+          Field::flag("loses_vehicle", &g.loses_vehicle,
+                      "Whether one vehicle, drawn from the seed, is lost at a time that is drawn, too.")};
+}
+
 std::vector<SuiteVariant> variants_of(VariantAxes& axes) {
   for (SuiteVehicle& vehicle : axes.vehicles) {
     check_vehicle_file(vehicle);
@@ -101,16 +110,20 @@ std::vector<SuiteVariant> variants_of(VariantAxes& axes) {
   }
   check_names(axes.vehicles, "vehicle");
   check_names(axes.sonars, "sonar");
+  check_names(axes.groups, "group");
   std::vector<SuiteVariant> variants;
   if (axes.empty()) return variants;
-  for (const auto& altimeter : choices_of(axes.altimeter)) {
-    for (const auto& sonar : choices_of(axes.sonars)) {
-      for (const auto& vehicle : choices_of(axes.vehicles)) {
-        std::vector<std::string> parts;
-        if (vehicle) parts.push_back(vehicle->name);
-        if (sonar) parts.push_back(sonar->name);
-        if (altimeter) parts.emplace_back(*altimeter ? kWithAltimeter : kWithoutAltimeter);
-        variants.push_back({fmt::format("{}", fmt::join(parts, "/")), vehicle, sonar, altimeter});
+  for (const auto& group : choices_of(axes.groups)) {
+    for (const auto& altimeter : choices_of(axes.altimeter)) {
+      for (const auto& sonar : choices_of(axes.sonars)) {
+        for (const auto& vehicle : choices_of(axes.vehicles)) {
+          std::vector<std::string> parts;
+          if (vehicle) parts.push_back(vehicle->name);
+          if (sonar) parts.push_back(sonar->name);
+          if (altimeter) parts.emplace_back(*altimeter ? kWithAltimeter : kWithoutAltimeter);
+          if (group) parts.push_back(group->name);
+          variants.push_back({fmt::format("{}", fmt::join(parts, "/")), vehicle, sonar, altimeter, group});
+        }
       }
     }
   }
@@ -142,6 +155,16 @@ void apply(const SuiteVariant& variant, Scenario& scenario) {
   if (variant.vehicle) {
     scene.vehicle.file = variant.vehicle->file;
     scene.vehicle.speed = scenario.mission.speed = variant.vehicle->speed;
+  }
+  if (variant.group) {
+    const auto vehicles = static_cast<std::size_t>(variant.group->vehicles);
+    if (vehicles > scene.group.size() + 1) {
+      refuse(variant.group->place, "group.vehicles",
+             fmt::format("{} vehicles, and the scene has {}", vehicles, scene.group.size() + 1),
+             "at most as many as the scene has");
+    }
+    scenario.keep_vehicles(vehicles);
+    scene.link.loss = variant.group->loss;
   }
   const auto ranges = [](const SonarConfig& sonar) { return sonar.kind == SonarKind::kRanges; };
   if (variant.sonar) {

@@ -1,6 +1,6 @@
-// SuiteVariant: one combination of vehicle and sonar in a suite. The variants are every [[vehicle]] with every
-// [[sonar]] of the suite, with or without an altimeter as the suite states; the runs take them in turn. The run of a
-// seed has the variant seed mod their number, so N consecutive runs cover N variants once each.
+// SuiteVariant: one combination of vehicle, sonar and group in a suite. The variants are every [[vehicle]] with every
+// [[sonar]] and every [[group]] of the suite, with or without an altimeter as the suite states; the runs take them in
+// turn. The run of a seed has the variant seed mod their number, so N consecutive runs cover N variants once each.
 //
 // A variant replaces the vehicle of the scene with its speed, and its imaging sonars. Parts that the suite does not
 // list stay those of the scene. Without an altimeter means without any sonar that gives ranges. All other drawn values
@@ -25,6 +25,16 @@ struct SuiteVehicle {
 };
 std::vector<Field> fields(SuiteVehicle& vehicle);
 
+/// A group of vehicles of the scene. Which vehicle is lost and when is drawn from the seed.
+struct SuiteGroup {
+  Place place;
+  std::string name;
+  int vehicles = 2;  ///< the first ones of the scene
+  double loss = 0;   ///< share of the packets that the link loses
+  bool loses_vehicle = false;
+};
+std::vector<Field> fields(SuiteGroup& group);
+
 enum class AltimeterChoice : std::uint8_t { kAsScene, kWith, kWithout, kBoth };
 
 /// The lists of a suite; the variants are all their combinations.
@@ -32,9 +42,10 @@ struct VariantAxes {
   std::vector<SuiteVehicle> vehicles;
   std::vector<SonarConfig> sonars;  ///< named after their preset unless the file names them
   AltimeterChoice altimeter = AltimeterChoice::kAsScene;
+  std::vector<SuiteGroup> groups;
 
   [[nodiscard]] bool empty() const {
-    return vehicles.empty() && sonars.empty() && altimeter == AltimeterChoice::kAsScene;
+    return vehicles.empty() && sonars.empty() && groups.empty() && altimeter == AltimeterChoice::kAsScene;
   }
 };
 
@@ -43,10 +54,11 @@ struct SuiteVariant {
   std::optional<SuiteVehicle> vehicle;
   std::optional<SonarConfig> sonar;
   std::optional<bool> altimeter;
+  std::optional<SuiteGroup> group;
 };
 
-/// All combinations; vehicles change fastest, the altimeter slowest. Empty axes give none. First sets the missing names
-/// of vehicles and sonars. Throws Error with the place of an invalid vehicle or sonar.
+/// All combinations; vehicles change fastest, the groups slowest. Empty axes give none. First sets the missing names
+/// of vehicles and sonars. Throws Error with the place of an invalid vehicle, sonar or group.
 std::vector<SuiteVariant> variants_of(VariantAxes& axes);
 
 /// The variants that have every part of `name`, such as "remus100/no-altimeter". Throws Error with all names if there

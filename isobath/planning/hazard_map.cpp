@@ -78,6 +78,7 @@ const char* to_text(HazardKind kind) {
     case HazardKind::kFence: return "fence";
     case HazardKind::kInjected: return "injected";
     case HazardKind::kMoving: return "moving";
+    case HazardKind::kVehicle: return "vehicle of the group";
   }
   return "";
 }

@@ -26,7 +26,7 @@
 
 namespace isobath {
 
-enum class HazardKind : std::uint8_t { kSeen, kRemembered, kCharted, kMapped, kVoxels, kFence, kInjected, kMoving };
+enum class HazardKind : std::uint8_t { kSeen, kRemembered, kCharted, kMapped, kVoxels, kFence, kInjected, kMoving, kVehicle };
 const char* to_text(HazardKind kind);
 
 struct Hazard {

@@ -88,6 +88,7 @@ Content content_of(const ChartedHazards& m) {
   if (m.looked_ahead) content["looked_ahead_ns"] = m.looked_ahead->time_since_epoch().count();
   return content;
 }
+Content content_of(const GroupHazards& m) { return {{"hazards", m.hazards.size()}}; }
 Content content_of(const OperatorCommand& m) {
   static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat", "acknowledge"};
   return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};

@@ -14,40 +14,36 @@ constexpr std::array<Colour, kMaxGroup> kVehicles = {
 
 }  // namespace
 
-std::string draw_group(const GroupOutcome& outcome) {
-  const std::vector<Lane> lanes = lanes_of(outcome.plan.search);
+std::string draw_group(const GroupRecord& record, const std::string& title) {
+  const std::vector<Lane> lanes = lanes_of(record.plan.search);
   Eigen::AlignedBox2d box;
   for (const Lane& lane : lanes) box.extend(lane.from_W).extend(lane.to_W);
   std::vector<std::vector<Eigen::Vector2d>> tracks;
-  for (const GroupVehicleOutcome& vehicle : outcome.vehicles) {
+  for (const GroupVehicleRecord& vehicle : record.vehicles) {
     std::vector<Eigen::Vector2d>& track = tracks.emplace_back();
-    if (!vehicle.run.mission || !vehicle.run.mission->truth) continue;
-    for (const TrueMotion& motion : vehicle.run.mission->truth->track) {
+    for (const TrueMotion& motion : vehicle.track) {
       track.emplace_back(motion.state.X_WB.translation.head<2>());
       box.extend(track.back());
     }
   }
-  PlanPicture picture(frame_around(box), kSide, {"Tracks of the vehicles", "north (m)", "east (m)"});
+  PlanPicture picture(frame_around(box), kSide, {title, "north (m)", "east (m)"});
   for (const Lane& lane : lanes) {
     const std::array<Eigen::Vector2d, 2> line = {lane.from_W, lane.to_W};
     picture.polyline(line, {palette::kFaint, 1, true});
   }
-  if (!outcome.vehicles.empty() && outcome.vehicles[0].run.mission) {
-    for (const TrueBody& body : outcome.vehicles[0].run.mission->bodies) {
-      const bool is_vehicle = std::ranges::any_of(
-          outcome.vehicles, [&](const GroupVehicleOutcome& vehicle) { return vehicle.name == body.name; });
-      if (!is_vehicle) picture.polygon(body.outline, {palette::kInk, 1.5, false}, {0.3, 0.25, 0.2, 0.6});
-    }
+  for (const TrueBody& body : record.bodies) {
+    picture.polygon(body.outline, {palette::kInk, 1.5, false}, {0.3, 0.25, 0.2, 0.6});
   }
   std::vector<PlanPicture::LegendEntry> legend = {{palette::kFaint, "lanes"}};
+  if (!record.bodies.empty()) legend.push_back({palette::kInk, "bodies"});
   for (std::size_t v = 0; v < tracks.size(); ++v) {
     const Colour& colour = kVehicles[v % kVehicles.size()];
     if (tracks[v].size() > 1) picture.polyline(tracks[v], {colour, 2, false});
     if (!tracks[v].empty()) picture.dot(tracks[v].front(), 3.5, colour);
-    if (!tracks[v].empty() && outcome.vehicles[v].lost_s) picture.dot(tracks[v].back(), 6, palette::kObstacle);
-    legend.push_back({colour, outcome.vehicles[v].name});
+    if (!tracks[v].empty() && record.vehicles[v].lost_s) picture.dot(tracks[v].back(), 6, palette::kObstacle);
+    legend.push_back({colour, record.vehicles[v].name});
   }
-  if (std::ranges::any_of(outcome.vehicles, [](const auto& vehicle) { return vehicle.lost_s.has_value(); })) {
+  if (std::ranges::any_of(record.vehicles, [](const auto& vehicle) { return vehicle.lost_s.has_value(); })) {
     legend.push_back({palette::kObstacle, "lost here"});
   }
   picture.finish(legend);

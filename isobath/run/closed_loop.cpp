@@ -5,6 +5,7 @@
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/run_pace.hpp>
 #include <isobath/scenario/mission_chart.hpp>
+#include <limits>
 #include <memory>
 
 namespace isobath {
@@ -49,50 +50,70 @@ LoopResult run_closed_loop(const Scenario& scenario, const LoopRequest& request)
 }
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request) {
-  const Configuration configuration = scenario.with_prior(request.configuration);
-  SimulatedSource source(scenario.scene, configuration.simulation, request.threads);
-  source.add_operator(scenario.orders, scenario.mission);
-  Simulator& simulator = source.simulator();
-  DepthModel depths(configuration, {});
-  depths.locate(source.report().origin);
+  ClosedLoop loop(scenario, helm, request);
+  loop.advance(std::numeric_limits<double>::infinity());
+  return loop.result();
+}
+
+ClosedLoop::ClosedLoop(const Scenario& scenario, Helm& helm, const LoopRequest& request)
+    : scenario_(scenario),
+      request_(request),
+      configuration_(scenario.with_prior(request.configuration)),
+      helm_(helm),
+      source_(scenario.scene, configuration_.simulation, request.threads),
+      depths_(configuration_, {}),
+      truth_(source_.simulator()) {
+  source_.add_operator(scenario.orders, scenario.mission);
+  depths_.locate(source_.report().origin);
   std::vector<std::string> priors;
-  if (!configuration.prior.file.empty()) priors.push_back(configuration.prior.file);
-  depths.set_prior_files(priors);
-  Onboard onboard(configuration, depths,
-                  {.helm = &helm,
-                   .voxels = tells_height(simulator.scene()),
-                   .sphere = configuration.mission.chart_room.sphere || configuration.scan.on,
-                   .corners = charted_corners({}, priors, configuration, source.report().origin),
+  if (!configuration_.prior.file.empty()) priors.push_back(configuration_.prior.file);
+  depths_.set_prior_files(priors);
+  onboard_ = std::make_unique<Onboard>(
+      configuration_, depths_,
+      OnboardParts{.helm = &helm_,
+                   .voxels = tells_height(source_.simulator().scene()),
+                   .sphere = configuration_.mission.chart_room.sphere || configuration_.scan.on,
+                   .corners = charted_corners({}, priors, configuration_, source_.report().origin),
                    .live = request.live});
-  for (OnboardObserver* observer : request.observers) onboard.show_to(*observer);
-  GroundTruthTrajectory truth(simulator);
-  source.tell_truth_to(truth);
-  std::optional<DetectionScorer> judge;
-  std::optional<HelmsEye> eye;
-  if (request.judge && !request.live) {
-    onboard.show_to(eye.emplace(helm, judge.emplace(simulator)));
-    source.tell_truth_to(*judge);
+  for (OnboardObserver* observer : request_.observers) onboard_->show_to(*observer);
+  source_.tell_truth_to(truth_);
+  if (request_.judge && !request_.live) {
+    judge_.emplace(source_.simulator());
+    eye_ = std::make_unique<HelmsEye>(helm_, *judge_);
+    onboard_->show_to(*eye_);
+    source_.tell_truth_to(*judge_);
   }
-  std::optional<LivePace> pace;
-  if (request.live) pace.emplace(0, simulator);
-  EndOfMission end;
-  while (auto event = source.next()) {
-    onboard.on_event(std::move(*event));
-    if (pace) pace->keep(onboard);
-    const bool goes_on = steer_simulated(onboard, helm, source, end);
-    if (request.stop_at_contact && truth.truth().contact_s >= 0) break;
-    if (request.stop_when_done && !goes_on) break;
+  if (request_.live) pace_ = std::make_unique<LivePace>(0, source_.simulator());
+}
+
+ClosedLoop::~ClosedLoop() = default;
+
+bool ClosedLoop::advance(double until_s) {
+  while (!over_ && source_.simulator().now_s() < until_s) {
+    auto event = source_.next();
+    over_ = !event;
+    if (over_) break;
+    onboard_->on_event(std::move(*event));
+    if (pace_) pace_->keep(*onboard_);
+    mission_over_ = !steer_simulated(*onboard_, helm_, source_, end_);
+    for (FrameBytes& packet : helm_.to_group()) packets_.push_back(std::move(packet));
+    if (request_.stop_at_contact && truth_.truth().contact_s >= 0) over_ = true;
+    if (request_.stop_when_done && mission_over_) over_ = true;
   }
-  onboard.settle();
-  return {truth.truth(),
-          helm.decisions(),
-          helm.progress(),
-          onboard.pipeline().counts(),
-          onboard.corner_fixes().outcome(),
-          onboard.contacts().outcome(),
-          simulator.now_s(),
-          judge ? judge->score() : TruthScore{},
-          source.at_the_link() ? source.at_the_link()->answers() : std::vector<OperatorAnswer>{}};
+  return !over_;
+}
+
+LoopResult ClosedLoop::result() {
+  onboard_->settle();
+  return {truth_.truth(),
+          helm_.decisions(),
+          helm_.progress(),
+          onboard_->pipeline().counts(),
+          onboard_->corner_fixes().outcome(),
+          onboard_->contacts().outcome(),
+          source_.simulator().now_s(),
+          judge_ ? judge_->score() : TruthScore{},
+          source_.at_the_link() ? source_.at_the_link()->answers() : std::vector<OperatorAnswer>{}};
 }
 
 bool steer_simulated(Onboard& onboard, Helm& helm, SimulatedSource& source, EndOfMission& end) {

@@ -1,5 +1,4 @@
-// VehicleRun: a run of one vehicle, or of a log, from its input to its folder: the input, Onboard and the observers. It
-// may be run in steps, so that the vehicles of a group run side by side (group_run.hpp).
+// VehicleRun: a run of one vehicle, or of a log, from its input to its folder: the input, Onboard and the observers.
 #pragma once
 
 #include <chrono>
@@ -13,6 +12,7 @@
 #include <isobath/run/run_pace.hpp>
 #include <isobath/run/run_request.hpp>
 #include <isobath/run/run_source.hpp>
+#include <isobath/run/stepped_run.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/scenario/mission_chart.hpp>
@@ -24,26 +24,21 @@
 
 namespace isobath {
 
-class VehicleRun {
+class VehicleRun final : public SteppedRun {
  public:
   explicit VehicleRun(const RunRequest& asked);
 
-  /// Handles the events of a simulated vehicle up to this time of its clock; those of a log, to the end. Returns false
-  /// once the run has ended.
-  bool advance(double until_s = std::numeric_limits<double>::infinity());
-  /// Whether the mission has been over for a while. A vehicle of a group goes on, so that the others hear it.
-  [[nodiscard]] bool mission_is_over() const { return mission_over_; }
+  /// The events of a log are handled to the end.
+  bool advance(double until_s) override;
+  [[nodiscard]] bool mission_is_over() const override { return mission_over_; }
+  [[nodiscard]] Simulator* simulator() override {
+    return input_.simulated() ? &input_.simulated()->simulator() : nullptr;
+  }
+  [[nodiscard]] const Scenario& scenario() const override { return *scenario_; }
+  [[nodiscard]] std::vector<FrameBytes> take_packets() override { return std::exchange(packets_, {}); }
+  void hear(OperatorFrame packet) override { input_.simulated()->hear(std::move(packet)); }
   /// Ends the run and writes its folder. To be called once.
   RunOutcome outcome();
-
-  /// The simulated vehicle; null: the input is a log.
-  [[nodiscard]] Simulator* simulator() { return input_.simulated() ? &input_.simulated()->simulator() : nullptr; }
-  /// Packets for the other vehicles since the last call.
-  [[nodiscard]] std::vector<FrameBytes> take_packets() { return std::exchange(packets_, {}); }
-  /// A packet of another vehicle arrives at a simulated one.
-  void hear(OperatorFrame packet) { input_.simulated()->hear(std::move(packet)); }
-  /// The scenario as this vehicle sees it; empty: the input is a log.
-  [[nodiscard]] const std::optional<Scenario>& scenario() const { return scenario_; }
 
  private:
   std::optional<MissionSetup> mission();

@@ -32,14 +32,15 @@ constexpr std::uint64_t kVehicleSeed = 0x67726f7570;  // "group"
 /// The vehicles of the scene are the group of the mission.
 void add_group(Scenario& scenario) {
   const Scene& scene = scenario.scene;
-  if (scene.group.empty()) return;
-  if (!scenario.mission.search.on()) {
+  MissionPlan& mission = scenario.mission;
+  if (!mission.search.on()) {
+    if (scene.group.empty()) return;
     throw Error("several vehicles without an area to share", scene.group.front().place, "a [search_area]");
   }
-  scenario.mission.group.push_back({scene.vehicle.name, scene.vehicle.start.head<2>()});
-  for (const GroupVehicle& vehicle : scene.group) {
-    scenario.mission.group.push_back({vehicle.name, vehicle.start.head<2>()});
-  }
+  mission.group = {{scene.vehicle.name, scene.vehicle.start.head<2>()}};
+  for (const GroupVehicle& vehicle : scene.group) mission.group.push_back({vehicle.name, vehicle.start.head<2>()});
+  if (scene.group.empty()) return;
+  add_waiting_places(mission);
 }
 
 }  // namespace
@@ -89,6 +90,12 @@ Scenario Scenario::of_vehicle(std::size_t vehicle) const {
                           .shape = hull});
   }
   return one;
+}
+
+void Scenario::keep_vehicles(std::size_t count) {
+  scene.group.resize(std::max<std::size_t>(count, 1) - 1);
+  mission.points.resize(mission.search.all_stations());
+  add_group(*this);
 }
 
 std::size_t Scenario::body_of(std::size_t other) const {

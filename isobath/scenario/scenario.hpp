@@ -33,6 +33,8 @@ struct Scenario {
   /// The scenario of one vehicle of the group: it is [vehicle], its mission knows which vehicle it is, the others are
   /// bodies of the scene, and its seed is its own. `vehicle` counts from 0, which is [vehicle] of the file.
   [[nodiscard]] Scenario of_vehicle(std::size_t vehicle) const;
+  /// Leaves the first vehicles of the group only.
+  void keep_vehicles(std::size_t count);
   /// In the scene of a vehicle: the index of another vehicle's body.
   [[nodiscard]] std::size_t body_of(std::size_t other) const;
 

@@ -21,6 +21,7 @@ class CommodoreTest : public testing::Test {
     plan.search.breadth_m = 80;
     plan.search.spacing_m = 10;
     plan.search.station_m = 120;  // its ends only
+    plan.search.run_out_m = 0;
     for (const Lane& lane : lanes_of(plan.search)) {
       plan.points.push_back({.north_east = lane.from_W});
       plan.points.push_back({.north_east = lane.to_W});
@@ -128,6 +129,45 @@ TEST_F(CommodoreTest, GoesOnWithItsLaneAndLeavesOutWhatIsDone) {
   ASSERT_EQ(order.points.size(), 7u) << "the end of lane 2, lanes 3, 4 and 5";
   EXPECT_EQ(order.points[0], 3u);
   for (const std::size_t point : order.points) EXPECT_LT(point, 10u);
+}
+
+// A lane that the lost vehicle was sailing is resumed at the last station that it told. ledger: S2-50
+TEST_F(CommodoreTest, ResumesALaneWhereTheLostVehicleLeftIt) {
+  plan.search.station_m = 30;
+  plan.points.clear();
+  for (const Lane& lane : lanes_of(plan.search)) {
+    for (std::size_t i = 0; i < 5; ++i) plan.points.push_back({.north_east = lane.at(plan.search.share_of_station(i))});
+  }
+  start(0);
+  GroupStatus half = status(1, 0b1100'0000);  // lane 6 is half done, from its far end
+  half.lane = 5;
+  half.stations = 3;
+  half.backwards = true;
+  hear(half);
+  wait(70);
+  std::vector<std::size_t> of_lane_6;
+  for (const std::size_t point : only<VisitOrder>(script->said).back().points) {
+    if (point / 5 == 5) of_lane_6.push_back(point % 5);
+  }
+  EXPECT_THAT(of_lane_6, testing::UnorderedElementsAre(0, 1, 2)) << "and the way from station 2 to station 1";
+  // It tells what it visits itself, too.
+  visit({0, 1});
+  std::optional<GroupStatus> told;
+  for (const LinkFrame& frame : only<LinkFrame>(wait(25))) {
+    if (const auto word = group_word_of(frame.bytes)) {
+      if (const auto* one = std::get_if<GroupStatus>(&*word)) told = *one;
+    }
+  }
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->lane, 0);
+  EXPECT_EQ(told->stations, 2);
+  EXPECT_FALSE(told->backwards);
+  // A lane of which all stations were told is done.
+  half.number = ++number;
+  half.stations = 5;
+  hear(half);
+  visit({2, 3, 4});
+  for (const std::size_t point : only<VisitOrder>(script->said).back().points) EXPECT_NE(point / 5, 5u);
 }
 
 // ledger: S2-50

@@ -15,6 +15,8 @@ GroupStatus some_status(Random& random) {
   s.sigma_m = 0.5 * static_cast<double>(random.index(256));
   s.lanes = static_cast<std::uint8_t>(random.index(kMaxLanes + 1));
   if (s.lanes > 0 && random.uniform() < 0.5) s.lane = static_cast<std::uint8_t>(random.index(s.lanes));
+  s.stations = static_cast<std::uint8_t>(random.index(256));
+  s.backwards = random.uniform() < 0.5;
   if (random.uniform() < 0.5) s.leader = static_cast<std::uint8_t>(random.index(8));
   s.version = static_cast<std::uint16_t>(random.index(65536));
   s.over = random.uniform() < 0.5;

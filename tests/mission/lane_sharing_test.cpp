@@ -1,5 +1,6 @@
 // The lanes of an area, and their division among vehicles, beside all divisions tried one by one.
 #include <algorithm>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/mission/plan/lane_sharing.hpp>
@@ -11,13 +12,15 @@ namespace {
 
 using Eigen::Vector2d;
 
-SearchArea area_of(double length_m, double breadth_m, double spacing_m, double heading_deg = 0) {
+SearchArea area_of(double length_m, double breadth_m, double spacing_m, double heading_deg = 0, double station_m = 30) {
   SearchArea area;
   area.corner = {10, -5};
   area.heading = Angle::degrees(heading_deg);
   area.length_m = length_m;
   area.breadth_m = breadth_m;
   area.spacing_m = spacing_m;
+  area.station_m = station_m;
+  area.run_out_m = 0;
   return area;
 }
 
@@ -34,6 +37,18 @@ TEST(SearchArea, HasLanesAcrossItsBreadthThatLeadBackAndForth) {
   EXPECT_EQ(area_of(100, 50, 10).lanes(), 5u);
   EXPECT_EQ(area_of(100, 50, 10).stations(), 5u) << "25 m apart, at most 30";
   EXPECT_TRUE(lanes_of(SearchArea{}).empty());
+}
+
+// The vehicle turns beyond the area: the stations at its sides are not the ends of the lane. ledger: S2-48
+TEST(SearchArea, HasLanesThatRunOutBeyondItsSides) {
+  SearchArea area = area_of(100, 50, 10);
+  area.run_out_m = 8;
+  const Lane lane = lanes_of(area)[0];
+  EXPECT_EQ(area.stations(), 7u);
+  std::vector<double> north;
+  for (std::size_t i = 0; i < area.stations(); ++i) north.push_back(lane.at(area.share_of_station(i)).x() - 10);
+  EXPECT_THAT(north, testing::Pointwise(testing::DoubleNear(1e-9), {-8, 0, 25, 50, 75, 100, 108}));
+  EXPECT_NEAR(lanes_of(area)[1].from_W.x() - 10, 108, 1e-9) << "the way back";
 }
 
 /// The earliest end by trying every vehicle for every row of every division.
@@ -106,9 +121,10 @@ TEST(LaneSharing, GivesTwoVehiclesThatStartAlikeHalfOfTheLanesEach) {
   EXPECT_EQ(shares.lanes[1].size(), 4u);
   EXPECT_TRUE(share_lanes(lanes, open, {}, {1.5, 10}).lanes.empty()) << "nobody";
   const std::vector<LaneVisit> visits = visits_of(lanes, shares.lanes[0], sailors[0].place_W);
-  EXPECT_EQ(stations_of(visits, 2), (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7})) << "back and forth";
+  EXPECT_EQ(stations_of(visits, area_of(120, 40, 10, 0, 120)), (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7}))
+      << "back and forth";
   const std::vector<LaneVisit> back = {{2, true}};
-  EXPECT_EQ(stations_of(back, 3), (std::vector<std::size_t>{8, 7, 6}));
+  EXPECT_EQ(stations_of(back, area_of(120, 40, 10, 0, 60)), (std::vector<std::size_t>{8, 7, 6}));
 }
 
 // ledger: S2-10

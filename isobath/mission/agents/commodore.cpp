@@ -12,6 +12,8 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr std::size_t kNobodyLeads = 255;
+constexpr std::ptrdiff_t kMostStations = 255;
+constexpr double kAtWaitingPlace_m = 1.5 * kWaitingCircle_m;
 
 LaneBits bit_of(std::size_t lane) { return LaneBits{1} << lane; }
 
@@ -88,7 +90,9 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   done_ = 0;
   lane_.reset();
   visits_.clear();
-  over_ = told_done_ = plan_last_ = false;
+  hazards_.clear();
+  visited_.assign(lanes_.size() * stations_, 0);
+  over_ = told_done_ = plan_last_ = at_waiting_place_ = false;
   replanned_ = now;
   // All vehicles make the same first plan.
   std::vector<std::size_t> open(lanes_.size()), vehicles(members_.size());
@@ -105,6 +109,9 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
 void Commodore::on(const PointReport& report, Time now, Outbox& out) {
   const bool visited = report.kind == PointReport::Kind::kReached || report.kind == PointReport::Kind::kDropped;
   if (!visited || std::erase(visits_, report.point) == 0) return;
+  at_waiting_place_ = report.point >= visited_.size();
+  if (at_waiting_place_) return;
+  note_station(report.point);
   lane_ = report.point / stations_;
   const bool goes_on = std::ranges::any_of(visits_, [this](std::size_t point) { return point / stations_ == *lane_; });
   if (goes_on) return;
@@ -121,6 +128,42 @@ void Commodore::on_frame(const LinkFrame& frame, Time now, Outbox& out) {
         if (known.from < members_.size() && known.from != own_) on(known, now, out);
       },
       *word);
+}
+
+void Commodore::note_station(std::size_t point) {
+  visited_[point] = 1;
+  // A run-out matters only to the vehicle that turns on it.
+  const std::size_t station = point % stations_;
+  if (station > 0 && plan_->search.is_run_out(station - 1)) visited_[point - 1] = 1;
+  if (station + 1 < stations_ && plan_->search.is_run_out(station + 1)) visited_[point + 1] = 1;
+}
+
+/// What another vehicle has visited of the lane that it is sailing.
+void Commodore::note_stations(const GroupStatus& status) {
+  if (!status.lane || *status.lane >= lanes_.size()) return;
+  const std::size_t count = std::min<std::size_t>(status.stations, stations_);
+  const std::size_t first = *status.lane * stations_ + (status.backwards ? stations_ - count : 0);
+  std::fill_n(visited_.begin() + static_cast<std::ptrdiff_t>(first), count, 1);
+  if (count == stations_) done_ |= bit_of(*status.lane);
+}
+
+/// The same of the own lane.
+void Commodore::state_stations(GroupStatus& status) const {
+  if (!lane_) return;
+  const auto first = visited_.begin() + static_cast<std::ptrdiff_t>(*lane_ * stations_);
+  const auto last = first + static_cast<std::ptrdiff_t>(stations_);
+  status.backwards = *first == 0;
+  const auto count = status.backwards ? std::find(std::reverse_iterator(last), std::reverse_iterator(first), 0) -
+                                            std::reverse_iterator(last)
+                                      : std::find(first, last, 0) - first;
+  status.stations = static_cast<std::uint8_t>(std::min(count, kMostStations));
+}
+
+/// Whether a point is to be visited: nobody has, or the way to the next one is left.
+bool Commodore::is_left(std::size_t point) const {
+  if (visited_[point] == 0) return true;
+  const std::size_t station = point % stations_;
+  return (station > 0 && visited_[point - 1] == 0) || (station + 1 < stations_ && visited_[point + 1] == 0);
 }
 
 void Commodore::note_heard(std::size_t vehicle, Time now, Outbox& out) {
@@ -141,6 +184,7 @@ void Commodore::on(const GroupStatus& status, Time now, Outbox& out) {
   member.status = status;
   const bool was_done = all_done();
   done_ |= status.done;
+  note_stations(status);
   if (!was_done && all_done()) order("all lanes are done", now, out);
 }
 
@@ -251,8 +295,11 @@ void Commodore::order(const std::string& why, Time now, Outbox& out) {
     from_W = plan_->points[points.back()].north_east;
   }
   const std::vector<LaneVisit> lanes = visits_of(lanes_, mine, from_W);
-  const std::vector<std::size_t> rest = stations_of(lanes, stations_);
-  points.insert(points.end(), rest.begin(), rest.end());
+  const std::vector<std::size_t> rest = stations_of(lanes, plan_->search);
+  std::ranges::copy_if(rest, std::back_inserter(points), [this](std::size_t point) { return is_left(point); });
+  const bool stays = points.empty() && at_waiting_place_;
+  const auto waiting = waiting_place(points.empty() ? here_W_ : plan_->points[points.back()].north_east);
+  if (waiting && !last && !stays) points.push_back(*waiting);
   if (points == visits_ && last == plan_last_ && orders_ > 0) return;
   visits_ = points;
   plan_last_ = last;
@@ -262,6 +309,33 @@ void Commodore::order(const std::string& why, Time now, Outbox& out) {
     told_done_ = true;
     decide(now, "area searched", fmt::format("all {} lanes are done", lanes_.size()), out);
   }
+}
+
+/// The nearer one of the own waiting places, if the mission has some.
+std::optional<std::size_t> Commodore::waiting_place(const Vector2d& from_W) const {
+  const std::size_t first = visited_.size() + 2 * own_;
+  if (first + 1 >= plan_->points.size()) return std::nullopt;
+  const auto far_m = [&](std::size_t point) { return (plan_->points[point].north_east - from_W).norm(); };
+  return far_m(first) <= far_m(first + 1) ? first : first + 1;
+}
+
+/// Tells where other vehicles wait, when that has changed.
+void Commodore::say_hazards(Outbox& out) {
+  GroupHazards now;
+  for (std::size_t v = 0; v < members_.size(); ++v) {
+    const Member& member = members_[v];
+    if (v == own_ || member.lost || member.status.lanes == 0 || lane_of(v)) continue;
+    for (const std::size_t side : {0, 1}) {
+      const std::size_t place = visited_.size() + 2 * v + side;
+      if (place >= plan_->points.size()) break;
+      const Vector2d& at_W = plan_->points[place].north_east;
+      if ((member.status.place_W - at_W).norm() > kAtWaitingPlace_m) continue;
+      now.hazards.push_back({{at_W}, kWaitingCircle_m, HazardKind::kVehicle, static_cast<std::uint32_t>(v)});
+    }
+  }
+  if (now.hazards == hazards_) return;
+  hazards_ = now.hazards;
+  out.say(std::move(now));
 }
 
 bool Commodore::all_done() const { return static_cast<std::size_t>(std::popcount(done_)) == lanes_.size(); }
@@ -278,6 +352,7 @@ void Commodore::watch(Time now, Outbox& out) {
 }
 
 void Commodore::send(Time now, Outbox& out) {
+  if (members_.size() < 2) return;
   const double turn_s = config_.slot_s * static_cast<double>(members_.size());
   const double today_s = to_seconds(now.time_since_epoch()) / turn_s;
   const auto turn =
@@ -304,6 +379,7 @@ void Commodore::send(Time now, Outbox& out) {
   status.place_W = here_W_;
   status.sigma_m = sigma_m_;
   if (lane_) status.lane = static_cast<std::uint8_t>(*lane_);
+  state_stations(status);
   if (shared_) status.leader = shared_->from;
   status.version = shared_ ? shared_->version : 0;
   status.over = over_;
@@ -315,6 +391,7 @@ void Commodore::send(Time now, Outbox& out) {
 void Commodore::tick(Time now, Outbox& out) {
   if (!plan_) return;
   watch(now, out);
+  say_hazards(out);
   lead(now, out);
   send(now, out);
 }

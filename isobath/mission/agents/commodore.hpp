@@ -3,7 +3,8 @@
 // S2-51).
 //
 // Receives MissionOrder, PointReport, MissionReport, Navigation and LinkFrame (from the group). Sends VisitOrder,
-// LinkFrame (to the group) and Decision. Does nothing in a mission without a search area or without a group.
+// GroupHazards, LinkFrame (to the group) and Decision. Does nothing in a mission without a search area or without a
+// group.
 //
 // Every vehicle has a Commodore; that of the first vehicle in the list that is heard and can sail leads. It divides the
 // lanes (lane_sharing.hpp), numbers the plan, and sends it. The others follow the plan of the first vehicle that they
@@ -18,8 +19,12 @@
 // for `lost_turns` turns of all slots counts as lost, until it is heard again. What was sailed is merged from every
 // packet, so lost and repeated packets do no harm.
 //
+// Stations that a vehicle told to have visited before it was lost are not visited again: the lane is resumed at the
+// last of them.
+//
 // A lane is done when its last station is reached, or dropped because of an obstacle. Once all are done, the vehicle
-// ends its mission as the plan says; until then a vehicle without a lane holds its position and may get another one.
+// ends its mission as the plan says; until then a vehicle without a lane goes to its waiting
+// place beyond the area and may get another one.
 #pragma once
 
 #include <isobath/mission/messages/agent.hpp>
@@ -66,6 +71,12 @@ class Commodore final : public Agent {
   [[nodiscard]] LaneSailor sailor_of(std::size_t vehicle) const;
   void lead(Time now, Outbox& out);
   void take(const GroupPlan& plan, const std::string& why, Time now, Outbox& out);
+  void note_station(std::size_t point);
+  void note_stations(const GroupStatus& status);
+  void state_stations(GroupStatus& status) const;
+  [[nodiscard]] bool is_left(std::size_t point) const;
+  [[nodiscard]] std::optional<std::size_t> waiting_place(const Eigen::Vector2d& from_W) const;
+  void say_hazards(Outbox& out);
   void order(const std::string& why, Time now, Outbox& out);
   void send(Time now, Outbox& out);
   [[nodiscard]] bool is_done(std::size_t lane) const { return (done_ >> lane & 1U) != 0; }
@@ -85,9 +96,11 @@ class Commodore final : public Agent {
   std::size_t stations_ = 0;         ///< of a lane
   std::optional<std::size_t> lane_;  ///< that is being sailed
   std::vector<std::size_t> visits_;  ///< points that are ordered and not visited yet
+  std::vector<char> visited_;        ///< by point: whether some vehicle is known to have visited it
+  std::vector<Hazard> hazards_;      ///< as last told
   std::uint32_t orders_ = 0;
   std::uint16_t number_ = 0;
-  bool over_ = false, told_done_ = false, plan_last_ = false;
+  bool over_ = false, told_done_ = false, plan_last_ = false, at_waiting_place_ = false;
   std::optional<Time> replanned_;
   std::optional<std::int64_t> sent_in_;  ///< number of the turn in which it last sent
 };

@@ -8,6 +8,7 @@ namespace isobath {
 namespace {
 
 constexpr double kAtSurface = 0.5;  // m of depth
+constexpr double kNearWaitingPlace_m = 1.5 * kWaitingCircle_m;
 constexpr int kMaxSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
 
 PlanAction at_point(const char* name, std::size_t point) { return {name, {{"point", static_cast<double>(point)}}}; }
@@ -29,6 +30,12 @@ std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, s
   graph.join(surface, PlanEvent::below("depth", kAtSurface), finish);
   graph.join(surface, PlanEvent::timeout(config.surface_wait_s), finish);
   return first;
+}
+
+/// Where the vehicle waits: at the last point, if that is a waiting place, else where it is.
+std::size_t add_wait(PlanGraph& graph, const MissionPlan& plan, std::span<const std::size_t> points) {
+  const bool at_place = !points.empty() && points.back() >= plan.search.all_stations();
+  return graph.add("wait", at_place ? at_point("wait", points.back()) : PlanAction{"wait"});
 }
 
 }  // namespace
@@ -78,7 +85,7 @@ PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> poin
     at.push_back(nodes);
   }
   const std::size_t all = plan.points.size();
-  const std::size_t over = last ? add_end(graph, plan.at_end, "end", all, config) : graph.add("wait", {"wait"});
+  const std::size_t over = last ? add_end(graph, plan.at_end, "end", all, config) : add_wait(graph, plan, points);
   const std::size_t dropped =
       at.empty() || !last ? over : add_end(graph, plan.if_dropped, "end after a drop", all, config);
   for (std::size_t k = 0; k < at.size(); ++k) {
@@ -298,10 +305,16 @@ void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {
     out.say(FollowOrder{0, {}, {}, true});
     return decide("surface", "the mission ends at the surface", out);
   }
+  // A vehicle that was at its waiting place circles there already.
+  if (action.name == "wait" && known && is_near(points_[point_])) return;
   stop(out);
   if (action.name == "finish" && phase_ != MissionPhase::kAborted) {
     report(MissionPhase::kFinished, fmt::format("{} points reached, {} dropped", reached_, dropped_), out);
   }
+}
+
+bool ExecutiveOfficer::is_near(const MissionPoint& point) const {
+  return here_ && (here_->X_WB.translation.head<2>() - point.north_east).norm() <= kNearWaitingPlace_m;
 }
 
 void ExecutiveOfficer::go(Errand errand, const MissionPoint& target, Outbox& out) {

@@ -81,6 +81,7 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   [[nodiscard]] std::optional<double> value(const std::string& quantity, std::optional<int> of) const override;
   void note(const std::string& fact, std::size_t of) { facts_[{fact, static_cast<int>(of)}] = 1; }
   /// Whether the Commodore orders which points to visit.
+  [[nodiscard]] bool is_near(const MissionPoint& point) const;
   [[nodiscard]] bool is_shared() const { return plan_ && plan_->search.on() && !plan_->group.empty(); }
   [[nodiscard]] bool busy() const { return phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding; }
 

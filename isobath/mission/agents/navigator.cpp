@@ -42,6 +42,7 @@ void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* motion = std::get_if<MotionOrder>(&message)) steered_ = motion->time;
   if (const auto* action = std::get_if<SafetyAction>(&message)) on_action(*action, out);
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart, out);
+  if (const auto* group = std::get_if<GroupHazards>(&message)) on_group(*group, out);
   if (const auto* health = std::get_if<Health>(&message)) {
     budget_share_ = budget_share(*health).value_or(budget_share_);
   }
@@ -111,6 +112,11 @@ void Navigator::on_chart(const ChartedHazards& chart, Outbox& out) {
   new_scan_ = looked && !scan_;
   if (!same || new_scan_) look(out);
   new_scan_ = false;
+}
+
+void Navigator::on_group(const GroupHazards& group, Outbox& out) {
+  group_ = group.hazards;
+  look(out);
 }
 
 void Navigator::on_request(const RouteRequest& request, Outbox& out) {
@@ -226,6 +232,7 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
       hazards.push_back({to_local(frame, h.outline), h.margin_m + margin, h.kind, h.id});
     }
   }
+  for (const Hazard& h : group_) hazards.push_back({to_local(frame, h.outline), h.margin_m, h.kind, h.id});
   std::erase_if(hazards, [](const Hazard& h) { return h.outline.empty(); });
   if (!plan_ || plan_->fence.empty()) return hazards;
   // The fence does not move and is no danger: it has a clearance of its own, smaller than that from obstacles.

@@ -2,9 +2,9 @@
 // S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
 // S2-31).
 //
-// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, Navigation, WaypointPassed, MotionOrder,
-// MissionOrder (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded
-// computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, Decision.
+// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, GroupHazards, Navigation, WaypointPassed,
+// MotionOrder, MissionOrder (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an
+// overloaded computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, Decision.
 //
 // The depth map that sonar has measured counts as seen (HazardKind::kMapped): a vehicle that has only range sonars
 // plans on it, and without scans each update of it is one cycle (ledger S1-03, S1-41).
@@ -94,6 +94,7 @@ class Navigator : public Agent {
   void on_fix(const Navigation& fix, Outbox& out);
   void on_scan(const ObstacleScan& scan, Outbox& out);
   void on_chart(const ChartedHazards& chart, Outbox& out);
+  void on_group(const GroupHazards& group, Outbox& out);
   void on_request(const RouteRequest& request, Outbox& out);
   void on_passage(const WaypointPassed& passed);
   void on_action(const SafetyAction& action, Outbox& out);
@@ -170,6 +171,7 @@ class Navigator : public Agent {
   Time now_;
   Time scan_heard_;
   ChartedHazards chart_;
+  std::vector<Hazard> group_;                       ///< of the other vehicles
   Time mapped_;                                     ///< when `chart_` last had a new reading ahead
   std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
 

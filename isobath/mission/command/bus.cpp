@@ -14,6 +14,7 @@ constexpr const char* name(const SonarEchoes*) { return "sonar echoes"; }
 constexpr const char* name(const Sweep*) { return "sweep"; }
 constexpr const char* name(const ObstacleScan*) { return "obstacle scan"; }
 constexpr const char* name(const ChartedHazards*) { return "charted hazards"; }
+constexpr const char* name(const GroupHazards*) { return "group hazards"; }
 constexpr const char* name(const OperatorCommand*) { return "operator command"; }
 constexpr const char* name(const MissionOrder*) { return "mission order"; }
 constexpr const char* name(const VisitOrder*) { return "visit order"; }

@@ -8,7 +8,7 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 enum : std::uint8_t { kStatus = 1, kPlan = 2 };
-constexpr std::size_t kGroupHead = 5, kStatusHead = 18, kPlanHead = 9, kCheck = 2;
+constexpr std::size_t kGroupHead = 5, kStatusHead = 19, kPlanHead = 9, kCheck = 2;
 constexpr std::uint8_t kNobody = 15, kNone = 255;
 constexpr double kPlaceStep_m = 0.5;
 
@@ -42,17 +42,19 @@ LaneBits done_at(Bytes bytes, std::size_t at, std::size_t lanes) {
 }
 
 std::optional<GroupStatus> status_in(Bytes b) {
-  if (b.size() < kStatusHead || b[17] > kMaxLanes || b.size() != kStatusHead + bytes_of(b[17])) return std::nullopt;
+  if (b.size() < kStatusHead || b[18] > kMaxLanes || b.size() != kStatusHead + bytes_of(b[18])) return std::nullopt;
   GroupStatus s;
   s.from = b[4];
   s.number = static_cast<std::uint16_t>(number_at(b, 5, 2));
   s.place_W = {place_at(b, 7), place_at(b, 9)};
   s.sigma_m = kPlaceStep_m * b[11];
   s.lane = unless_none(b[12]);
-  s.leader = unless_none(b[13]);
-  s.version = static_cast<std::uint16_t>(number_at(b, 14, 2));
-  s.over = (b[16] & 1U) != 0;
-  s.lanes = b[17];
+  s.stations = b[13];
+  s.leader = unless_none(b[14]);
+  s.version = static_cast<std::uint16_t>(number_at(b, 15, 2));
+  s.over = (b[17] & 1U) != 0;
+  s.backwards = (b[17] & 2U) != 0;
+  s.lanes = b[18];
   s.done = done_at(b, kStatusHead, s.lanes);
   return s;
 }
@@ -82,9 +84,10 @@ FrameBytes to_bytes(const GroupStatus& s) {
   put(out, place_word(s.place_W.y()), 2);
   out.push_back(static_cast<std::uint8_t>(std::clamp(std::ceil(s.sigma_m / kPlaceStep_m), 0.0, 255.0)));
   out.push_back(s.lane.value_or(kNone));
+  out.push_back(s.stations);
   out.push_back(s.leader.value_or(kNone));
   put(out, s.version, 2);
-  out.push_back(s.over ? 1 : 0);
+  out.push_back(static_cast<std::uint8_t>((s.over ? 1U : 0U) | (s.backwards ? 2U : 0U)));
   out.push_back(s.lanes);
   put(out, s.done, static_cast<int>(bytes_of(s.lanes)));
   return checked(std::move(out));

@@ -6,11 +6,13 @@
 // leader. What was done (lanes that were sailed) only ever grows, so that it may be merged from any packet.
 //
 // Layout, little endian: "IG", version 1, kind (1), sender (1), then
-//   status  number (2), north and east (2 each, in half metres), sigma (1, in half metres), lane (1; 255: none), plan's
-//           leader (1; 255: no plan) and version (2), flags (1; bit 0: over), lanes (1), lanes done (one bit each)
+//   status  number (2), north and east (2 each, in half metres), sigma (1, in half metres), lane (1; 255: none),
+//   stations
+//           of it that were visited (1), plan's leader (1; 255: no plan) and version (2), flags (1; bit 0: over, bit 1:
+//           from the last station on), lanes (1), lanes done (one bit each)
 //   plan    version (2), flags (1; bit 0: ascending), lanes (1), lanes done (one bit each), owners (4 bits a lane;
 //           15: none)
-// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a status has 23 bytes, a plan 24. Input is
+// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a status has 24 bytes, and so has a plan. Input is
 // untrusted: anything else is no packet.
 #pragma once
 
@@ -32,6 +34,8 @@ struct GroupStatus {
   Eigen::Vector2d place_W = Eigen::Vector2d::Zero();  ///< m, to half a metre
   double sigma_m = 0;                                 ///< of the place, to half a metre
   std::optional<std::uint8_t> lane;                   ///< that it is sailing
+  std::uint8_t stations = 0;                          ///< of this lane that it has visited
+  bool backwards = false;                             ///< whether these are the last ones of the lane
   std::optional<std::uint8_t> leader;                 ///< whose plan it follows
   std::uint16_t version = 0;                          ///< of that plan
   bool over = false;                                  ///< its mission has ended; it will sail no more lanes

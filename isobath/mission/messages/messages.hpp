@@ -60,6 +60,12 @@ struct ChartedHazards {
   std::optional<Time> looked_ahead = {};  ///< as in WorldSnapshot
 };
 
+/// Commodore -> Navigator: the water in which other vehicles of the group circle while they wait; replaces that before.
+/// In W.
+struct GroupHazards {
+  std::vector<Hazard> hazards;
+};
+
 // WorldSnapshot (planning/world_snapshot.hpp), maps -> all agents: all maps from now on; replaces the one before.
 
 /// Quality of one ping, sent as soon as the ping arrives.
@@ -318,10 +324,11 @@ struct Decision {
 /// One line: "27.200 s navigator: replan: leg 1 would run into an obstacle at north 44.7, east 2.4 m ...".
 std::string to_text(const Decision& decision);
 
-using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
-                             ChartedHazards, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest,
-                             RoutePlanned, RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards,
-                             MotionOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
-                             StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame>;
+using Message =
+    std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
+                 GroupHazards, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest, RoutePlanned,
+                 RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder, WaypointPassed,
+                 HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan,
+                 Decision, WorldSnapshot, LinkFrame>;
 
 }  // namespace isobath

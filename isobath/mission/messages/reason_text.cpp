@@ -17,6 +17,7 @@ std::string text_of(const Hazard& hazard) {
     case HazardKind::kInjected: return "an injected obstacle";
     case HazardKind::kMoving:
       return numbered ? fmt::format("moving obstacle {}", hazard.obstacle) : "a moving obstacle";
+    case HazardKind::kVehicle: return "a vehicle of the group that waits";
   }
   return "";
 }

@@ -75,10 +75,11 @@ std::vector<LaneVisit> visits_of(std::span<const Lane> lanes, std::span<const st
   return visits;
 }
 
-std::vector<std::size_t> stations_of(std::span<const LaneVisit> visits, std::size_t stations) {
+std::vector<std::size_t> stations_of(std::span<const LaneVisit> visits, const SearchArea& area) {
   std::vector<std::size_t> points;
+  const std::size_t stations = area.stations();
   for (const LaneVisit& visit : visits) {
-    for (std::size_t i = 0; i < stations; ++i) {
+    for (std::size_t i = area.is_run_out(0) ? 1 : 0; i < stations; ++i) {
       points.push_back(visit.lane * stations + (visit.backwards ? stations - 1 - i : i));
     }
   }

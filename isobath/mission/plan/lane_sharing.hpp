@@ -49,7 +49,8 @@ struct LaneVisit {
 /// Back and forth over these lanes, from the nearer end of the first.
 std::vector<LaneVisit> visits_of(std::span<const Lane> lanes, std::span<const std::size_t> order,
                                  const Eigen::Vector2d& place_W);
-/// The points of the mission on these lanes (search_area.hpp).
-std::vector<std::size_t> stations_of(std::span<const LaneVisit> visits, std::size_t stations);
+/// The points of the mission on these lanes (search_area.hpp). A vehicle comes to a lane at the side of the area, not
+/// at the end of its run-out, which only the vehicle that leaves the lane needs.
+std::vector<std::size_t> stations_of(std::span<const LaneVisit> visits, const SearchArea& area);
 
 }  // namespace isobath

@@ -61,6 +61,8 @@ std::vector<Field> search_fields(SearchArea& a) {
           Field::real("breadth_m", &a.breadth_m, {1, 1e4}, "m", "Breadth of the area, to starboard of the corner."),
           Field::real("spacing_m", &a.spacing_m, {1, 1e3}, "m", "Greatest distance between two lanes."),
           Field::real("station_m", &a.station_m, {1, 1e4}, "m", "Greatest distance between two stations of a lane."),
+          Field::real("run_out_m", &a.run_out_m, {0, 1000}, "m",
+                      "Length of a lane beyond the area at both ends, where the vehicle turns."),
           Field::real("depth_m", &a.depth_m, {0, 12000}, "m", "Depth of the lanes."),
           Field::real("drop_distance_m", &a.drop_distance_m, {0, 1000}, "m",
                       "An obstacle that is nearer to a station blocks it; 0: navigator.drop_distance_m.")};
@@ -194,11 +196,12 @@ void add_lanes(MissionPlan& plan) {
       MissionPoint& point = plan.points.emplace_back();
       point.place = area.place;
       point.name = fmt::format("lane {}, station {}", number, i + 1);
-      point.north_east = lane.at(static_cast<double>(i) / static_cast<double>(stations - 1));
+      point.north_east = lane.at(area.share_of_station(i));
       point.depth_m = area.depth_m;
       point.drop_distance_m = area.drop_distance_m;
     }
   }
+  plan.group = {GroupMember{}};
 }
 
 /// The section name under which an element of a list is written.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/plan/mission_plan.hpp>
+#include <numeric>
 
 namespace isobath {
 namespace {
@@ -169,6 +170,31 @@ void check_mission(const MissionPlan& plan) {
   for (const InjectedMap& map : plan.injected) {
     check_range(map.place, "at_s", map.at_s, 0, 1e7, " s");
     for (const Polygon& outline : map.outlines) check_outline(outline, map.place);
+  }
+}
+
+constexpr double kBetweenCircles_m = 12;
+constexpr double kWayPast_m = 20;  ///< between the lanes and the circles, for vehicles on their way
+
+void add_waiting_places(MissionPlan& plan) {
+  const SearchArea& area = plan.search;
+  const Eigen::Vector2d ahead(cos(area.heading), sin(area.heading)), aside(-ahead.y(), ahead.x());
+  std::vector<std::size_t> order(plan.group.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t v) { return plan.group[v].start.dot(aside); });
+  const double pitch_m = 2 * kWaitingCircle_m + kBetweenCircles_m;
+  const double out_m = area.run_out_m + kWayPast_m + kWaitingCircle_m;
+  for (std::size_t v = 0; v < plan.group.size(); ++v) {
+    const auto rank = static_cast<double>(std::ranges::find(order, v) - order.begin());
+    const double along_row_m = area.breadth_m / 2 + pitch_m * (rank - static_cast<double>(order.size() - 1) / 2);
+    for (const double along_lane_m : {-out_m, area.length_m + out_m}) {
+      MissionPoint& point = plan.points.emplace_back();
+      point.place = area.place;
+      point.name = "waiting place of " + plan.group[v].name;
+      point.north_east = area.corner + along_lane_m * ahead + along_row_m * aside;
+      point.depth_m = area.depth_m;
+      point.drop_distance_m = area.drop_distance_m;
+    }
   }
 }
 

@@ -75,10 +75,10 @@ struct MissionPlan {
   Place place;  ///< in the file it comes from
   std::string title;
   double speed = 1.5;  ///< m/s
-  /// With a search area these are the stations of its lanes (search_area.hpp).
+  /// With a search area these are the stations of its lanes, and waiting places (search_area.hpp).
   std::vector<MissionPoint> points;
   SearchArea search;
-  std::vector<GroupMember> group;  ///< the vehicles that share the mission; empty: this one alone
+  std::vector<GroupMember> group;  ///< the vehicles that share the search area; empty: there is no area
   std::size_t own = 0;             ///< which of them this vehicle is
   Polygon fence;                   ///< simple, any sense; empty: none
   Place fence_place;
@@ -105,5 +105,10 @@ void check_outline(const Polygon& outline, const Place& place);
 inline constexpr double kMaxMetres = 1e5;              ///< maximum distance from the origin, along each axis
 inline constexpr double kMaxSpeed = 10;                ///< m/s
 inline constexpr std::size_t kMaxFenceCorners = 1000;  ///< every place is checked against every side
+
+/// Adds the waiting places of the vehicles of its group to a mission with a search area: in a row beyond each side to
+/// which lanes lead, in the order of the vehicles' starts along the row. Vehicles that circle there keep a distance
+/// from each other, and leave a way between them and the lanes.
+void add_waiting_places(MissionPlan& plan);
 
 }  // namespace isobath

@@ -2,10 +2,12 @@
 // S2-50), and the points of a mission that lead along them.
 //
 // Lane k lies along `heading`, (k + 1/2) lane breadths to starboard of the side that begins at `corner`. The lanes have
-// equal breadths, at most `spacing_m`. A lane has stations at equal distances of at most `station_m`, so that a vehicle
-// that went round an obstacle comes back to the lane. Station i of lane k is point k stations() + i of the mission.
-// Every other lane begins at its far end, so that the points in their order lead back and forth.
-// Frame W, m.
+// equal breadths, at most `spacing_m`. A lane goes on `run_out_m` beyond the area at both ends, where the vehicle
+// turns, so that it is on the lane from side to side of the area. A lane has a station at each of its ends and, at
+// equal distances of at most `station_m`, from side to side of the area, so that a vehicle that went round an obstacle
+// comes back to the lane. Station i of lane k is point k stations() + i of the mission. Every other lane begins at its
+// far end, so that the points in their order lead back and forth. The points behind the stations are the places where
+// vehicles of a group wait (add_waiting_places): two a vehicle, one beyond each side to which lanes lead. Frame W, m.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,6 +28,7 @@ struct SearchArea {
   double breadth_m = 100;                            ///< to starboard of the corner
   double spacing_m = 10;                             ///< greatest distance between two lanes
   double station_m = 30;                             ///< greatest distance between two stations of a lane
+  double run_out_m = 6;                              ///< of a lane beyond the area, at both ends; 0: none
   double depth_m = 1;
   double drop_distance_m = 4;  ///< an obstacle that is nearer to a station blocks it
 
@@ -33,8 +36,18 @@ struct SearchArea {
   [[nodiscard]] std::size_t lanes() const;
   /// Number of stations of a lane, with its two ends.
   [[nodiscard]] std::size_t stations() const;
+  /// Where a station lies on its lane, as a share of the lane's length.
+  [[nodiscard]] double share_of_station(std::size_t station) const;
+  /// Of all lanes.
+  [[nodiscard]] std::size_t all_stations() const { return lanes() * stations(); }
+  /// Whether a station of a lane lies beyond the area.
+  [[nodiscard]] bool is_run_out(std::size_t station) const {
+    return run_out_m > 0 && (station == 0 || station + 1 == stations());
+  }
   [[nodiscard]] double lane_breadth_m() const { return breadth_m / static_cast<double>(lanes()); }
 };
+
+inline constexpr double kWaitingCircle_m = 12;  ///< radius of the water in which a vehicle circles while it waits
 
 struct Lane {
   Eigen::Vector2d from_W, to_W;
