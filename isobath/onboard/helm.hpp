@@ -27,6 +27,8 @@ class Helm : public ResultSink {
   virtual void on_decision(const Decision& /*decision*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
+  /// Number of the message that the last set-point serves (CommandArbiter::served), if its agents have such numbers.
+  [[nodiscard]] virtual std::uint64_t served() const { return 0; }
   [[nodiscard]] virtual MissionReport progress() const = 0;
   /// All decisions so far, in order.
   [[nodiscard]] virtual const std::vector<Decision>& decisions() const = 0;

@@ -29,6 +29,7 @@ class SerialHelm : public AgentsHelm {
 
   void on_event(const Event& event) override;
   [[nodiscard]] Setpoint steer() override;
+  [[nodiscard]] std::uint64_t served() const override { return executor_.served(); }
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
   void show_messages_to(const Recorder& recorder) override { listener_ = recorder; }

@@ -52,6 +52,8 @@ Setpoint ThreadedHelm::steer() {
   return setpoint;
 }
 
+std::uint64_t ThreadedHelm::served() const { return state_->executor.served(); }
+
 void ThreadedHelm::settle() {
   state_->executor.settle();
   state_->read_book();

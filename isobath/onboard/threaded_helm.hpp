@@ -29,6 +29,7 @@ class ThreadedHelm : public AgentsHelm {
   ~ThreadedHelm() override;
 
   [[nodiscard]] Setpoint steer() override;
+  [[nodiscard]] std::uint64_t served() const override;
   [[nodiscard]] MissionReport progress() const override;
   [[nodiscard]] const std::vector<Decision>& decisions() const override;
   void show_messages_to(const Recorder& recorder) override;

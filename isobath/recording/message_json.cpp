@@ -192,19 +192,38 @@ Content content_of(const LinkFrame& m) {
 }  // namespace
 
 std::string message_json(const Envelope& envelope) {
-  const Content json{
-      {"number", envelope.number},
-      {"time_ns", envelope.time.time_since_epoch().count()},
-      {"sender", envelope.sender},
-      {"type", message_name(envelope.message)},
-      {"content", std::visit([](const auto& message) { return content_of(message); }, envelope.message)}};
+  Content json{{"number", envelope.number},
+               {"time_ns", envelope.time.time_since_epoch().count()},
+               {"sender", envelope.sender},
+               {"type", message_name(envelope.message)},
+               {"content", std::visit([](const auto& message) { return content_of(message); }, envelope.message)}};
+  if (envelope.link) {
+    json["level"] = to_text(envelope.link->level);
+    json["parent"] = envelope.link->parent;
+  }
   return json.dump(-1, ' ', false, Content::error_handler_t::replace);
+}
+
+std::string servo_json(Time time, std::uint64_t parent, const ActuatorVector& commands) {
+  Content values = Content::array();
+  for (const double value : commands) values.push_back(exact_enough(value));
+  return Content{{"time_ns", time.time_since_epoch().count()},
+                 {"level", to_text(CommandLevel::kServo)},
+                 {"parent", parent},
+                 {"commands", values}}
+      .dump();
+}
+
+const char* servo_schema() {
+  return R"({"title": "isobath.Servo", "type": "object", "properties": {"time_ns": {"type": "integer"},
+"level": {"type": "string"}, "parent": {"type": "integer"}, "commands": {"type": "array", "items": {"type": "number"}}},
+"required": ["time_ns", "level", "parent", "commands"]})";
 }
 
 const char* message_schema() {
   return R"({"title": "isobath.Message", "type": "object", "properties": {"number": {"type": "integer"},
 "time_ns": {"type": "integer"}, "sender": {"type": "string"}, "type": {"type": "string"},
-"content": {"type": "object"}}, "required": ["number", "time_ns", "sender", "type", "content"]})";
+"content": {"type": "object"}, "level": {"type": "string"}, "parent": {"type": "integer"}}, "required": ["number", "time_ns", "sender", "type", "content"]})";
 }
 
 }  // namespace isobath

@@ -152,6 +152,15 @@ void RunRecorder::setpoint(Time time, const Setpoint& setpoint) {
   guarded([&] { log_.write(time, setpoint); });
 }
 
+void RunRecorder::servo(Time time, std::uint64_t parent, const ActuatorVector& commands) {
+  guarded([&] {
+    if (servo_ == 0) {
+      servo_ = log_.add_channel(kServoTopic, "json", {0, "isobath.Servo", "jsonschema", servo_schema()}, kMessageGroup);
+    }
+    log_.write(servo_, time, servo_json(time, parent, commands));
+  });
+}
+
 bool RunRecorder::sample(Time time, const DisplayState& items, bool at_once) {
   if (sampled_ && (time < *sampled_ || (!at_once && time - *sampled_ < seconds(config_.display_s)))) return false;
   sampled_ = time;

@@ -46,6 +46,7 @@ inline constexpr const char* kDisplayTopic = "/display";
 inline constexpr const char* kWholeDisplayTopic = "/display/whole";
 inline constexpr const char* kMessagesTopic = "/messages";
 inline constexpr const char* kTracksTopic = "/tracks";
+inline constexpr const char* kServoTopic = "/servo";
 
 class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
  public:
@@ -76,6 +77,8 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   void on_message(const Envelope& envelope);
   /// Written only when it changes.
   void setpoint(Time time, const Setpoint& setpoint);
+  /// Commands to the actuators (servo_json).
+  void servo(Time time, std::uint64_t parent, const ActuatorVector& commands);
   /// Takes a sample of the display if one is due, or in any case with `at_once`, as at the end of the run. Returns
   /// whether it took one. No sample is taken at a time before the last one, and a second one at the same time only with
   /// `at_once`: changes after the last event get the time of that event.
@@ -98,6 +101,7 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   std::uint16_t display_ = 0, whole_ = 0;
   std::uint16_t messages_ = 0;  ///< channel, made with the first message: without a mission there are none
   std::uint16_t tracks_ = 0;    ///< channel, made with the first body that moves
+  std::uint16_t servo_ = 0;     ///< channel, made with the first commands to actuators
   bool located_ = false;
   std::optional<Setpoint> last_setpoint_;
   std::optional<Time> sampled_, whole_at_;

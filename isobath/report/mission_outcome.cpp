@@ -98,6 +98,16 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
     json["crew"]["agents"].push_back(
         {{"name", agent.name}, {"level", to_text(agent.level)}, {"sent", std::move(sent)}});
   }
+  json["levels"] = ordered_json::array();
+  for (const LevelOutcome& level : outcome.levels) {
+    json["levels"].push_back({{"level", to_text(level.level)},
+                              {"commands", level.commands},
+                              {"without_parent", level.without_parent},
+                              {"mean_interval_s", number_json(level.mean_interval_s)},
+                              {"least_interval_s", number_json(level.least_interval_s)},
+                              {"longest_interval_s", number_json(level.longest_interval_s)},
+                              {"longest_stale_s", number_json(level.longest_stale_s)}});
+  }
   for (const OperatorAnswer& answer : outcome.answers) {
     json["operator"].push_back(
         {{"time", to_text(answer.time)}, {"phase", to_text(answer.status.phase)}, {"text", answer.status.text}});

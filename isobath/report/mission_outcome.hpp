@@ -30,6 +30,15 @@ struct SeenObstacle {
   double existence = 0;
 };
 
+/// What a level of command did (mission/command/command_chain.hpp). Intervals are those between its commands.
+struct LevelOutcome {
+  CommandLevel level = CommandLevel::kMission;
+  std::uint64_t commands = 0;
+  double mean_interval_s = 0, least_interval_s = 0, longest_interval_s = 0;
+  std::uint64_t without_parent = 0;  ///< commands that serve no command of the level above
+  double longest_stale_s = 0;        ///< for which its commands served one that a level above had superseded
+};
+
 struct MissionOutcome {
   MissionPlan plan;
   MissionReport report;
@@ -45,6 +54,7 @@ struct MissionOutcome {
   MissionTimings timings;
   ExecutorCounts executor;
   std::vector<AgentReport> crew;
+  std::vector<LevelOutcome> levels;     ///< from the mission down; live: without the servo level
   std::vector<OperatorAnswer> answers;  ///< what the operator of a simulated run received
 
   /// What went wrong, as one line: contact, a mission that did not end or was aborted, no point reached, decisions that

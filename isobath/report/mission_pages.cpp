@@ -311,6 +311,22 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
   return picture.png();
 }
 
+void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels) {
+  if (levels.empty()) return;
+  page.heading("Levels of command");
+  std::vector<HtmlReport::Row> rows;
+  for (const LevelOutcome& level : levels) {
+    rows.push_back({to_text(level.level), fmt::format("{}", level.commands), fmt::format("{}", level.without_parent),
+                    fmt::format("{:.2f}", level.mean_interval_s), fmt::format("{:.2f}", level.least_interval_s),
+                    fmt::format("{:.2f}", level.longest_interval_s), fmt::format("{:.2f}", level.longest_stale_s)});
+  }
+  page.table({"level", "commands", "without a parent", "mean interval (s)", "shortest", "longest", "stale (s)"}, rows);
+  page.paragraph(
+      "Each command serves one of the level above; without a parent are reflexes of the Safety Officer and stops. "
+      "Stale: "
+      "the longest time for which a command served one that a level above had already replaced.");
+}
+
 std::string number_or_dash(const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : "-"; }
 
 }  // namespace
@@ -337,6 +353,7 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   if (!pictures.clearance.empty()) {
     page.figure(pictures.clearance, "Clearance from the hull to the nearest body, with the numbered decisions.");
   }
+  add_levels(page, outcome.levels);
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
   for (const Decision& d : outcome.decisions) {

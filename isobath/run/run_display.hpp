@@ -49,6 +49,8 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void on_truth(const EchoTruth& echoes) override;
   void on_truth(const TrueMotion& motion) override;
   void on_setpoint(Time time, const Setpoint& setpoint) override;
+  /// Commands to the actuators; recorded, not shown.
+  void servo(Time time, std::uint64_t parent, const ActuatorVector& commands);
   /// Whether the scene and the timings are due again.
   [[nodiscard]] bool wants_scene(Time time);
   void show(Time time, const DisplayScene& scene);
@@ -85,6 +87,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   struct KeptScan;
   void begin_recording(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input);
   /// Shows something: at once, or, live, a copy of it in the display thread.
+  void show_servo(const Time& time, const std::uint64_t& parent, const ActuatorVector& commands);
   template <class... Told>
   void post(Kind kind, void (RunDisplay::*show)(const Told&...), const Told&... told);
   static std::shared_ptr<const KeptPing> keep(const PosedPing& ping);

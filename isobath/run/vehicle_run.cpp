@@ -12,6 +12,8 @@
 namespace isobath {
 namespace {
 
+constexpr Duration kExecutorCycle = std::chrono::milliseconds(600);
+
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -140,6 +142,7 @@ void VehicleRun::invite_observers() {
   if (!helm_) return;
   helm_->show_messages_to([this](const Envelope& envelope) {
     notes_.on_message(envelope);
+    levels_.on_message(envelope);
     if (display_.on()) display_.on_message(envelope);
   });
 }
@@ -240,11 +243,21 @@ bool VehicleRun::take(Event event) {
   first_ = std::min(first_, time);
   last_ = std::max(last_, time);
   if (request_.progress) request_.progress(input_.report(), live_ ? PipelineCounts{} : onboard_.pipeline().counts());
+  note_servo(time);
   mission_over_ = !steer();
   onboard_.beside().enter(Stage::kReport);
   show(time);
   onboard_.beside().leave();
   return !mission_over_ || request_.vehicle.has_value();
+}
+
+void VehicleRun::note_servo(Time time) {
+  if (!helm_ || !input_.simulated() || live_ || (servo_due_ && time < *servo_due_)) return;
+  const ActuatorVector commands = input_.simulated()->simulator().actuator_commands();
+  if (commands.size() == 0) return;
+  servo_due_ = time + kExecutorCycle;
+  levels_.on_servo(time, helm_->served());
+  if (display_.on()) display_.servo(time, helm_->served(), commands);
 }
 
 bool VehicleRun::steer() {
@@ -306,6 +319,7 @@ MissionOutcome VehicleRun::mission_outcome() {
   mission.timings = onboard_.timings();
   mission.executor = helm_->executor_counts();
   mission.crew = helm_->crew();
+  mission.levels = levels_.outcome();
   if (SimulatedSource* simulated = input_.simulated()) {
     mission.truth = track_->truth();
     mission.bodies = outlines_of(simulated->simulator().world());

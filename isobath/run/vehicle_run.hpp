@@ -5,6 +5,7 @@
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/report/run_outcome.hpp>
 #include <isobath/run/closed_loop.hpp>
+#include <isobath/run/level_notes.hpp>
 #include <isobath/run/mission_notes.hpp>
 #include <isobath/run/moving_fan.hpp>
 #include <isobath/run/run_display.hpp>
@@ -49,6 +50,8 @@ class VehicleRun final : public SteppedRun {
   bool take(Event event);
   /// Sends the set-point of the helm to the vehicle. Returns false once the mission has been over for long enough.
   bool steer();
+  /// Notes the commands to the actuators, once a cycle of the executors (S2-39).
+  void note_servo(Time time);
   void show(Time time);
   void show_scene(Time time);
   MissionOutcome mission_outcome();
@@ -72,6 +75,8 @@ class VehicleRun final : public SteppedRun {
   std::optional<MapDelayScorer> map_judge_;
   std::optional<GroundTruthTrajectory> track_;
   MissionNotes notes_;
+  LevelNotes levels_;
+  std::optional<Time> servo_due_;  ///< of the next note of the actuators
   RunDisplay display_;
 
   const std::shared_ptr<StageTimes> times_ = std::make_shared<StageTimes>();

@@ -79,7 +79,8 @@ double GroupRecord::bit_rate(std::size_t vehicle) const {
 
 std::size_t GroupRecord::lanes(std::size_t vehicle) const {
   const MissionReport& report = vehicles[vehicle].report;
-  return (report.reached + report.dropped) / plan.search.stations();
+  const std::size_t visited_of_lane = plan.search.stations() - (plan.search.is_run_out(0) ? 1 : 0);
+  return (report.reached + report.dropped) / visited_of_lane;
 }
 
 GroupScore score_of(const GroupRecord& record) {

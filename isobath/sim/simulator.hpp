@@ -61,6 +61,8 @@ class Simulator {
   void steer_body(std::size_t body, double t_s, const Eigen::Vector3d& p_W, const Eigen::Vector3d& v_W);
   /// The true state of the vehicle now.
   [[nodiscard]] const VehicleState& state() const { return plant_->state(); }
+  /// Commands to the actuators (VehiclePlant::commands).
+  [[nodiscard]] ActuatorVector actuator_commands() const { return plant_->commands(); }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const World& world() const { return *world_; }
   [[nodiscard]] double now_s() const { return to_seconds(now_); }

@@ -23,6 +23,8 @@ class VehiclePlant {
   virtual ~VehiclePlant() = default;
 
   [[nodiscard]] virtual const VehicleState& state() const = 0;
+  /// Commands to the actuators in the order of the vehicle file, thrusters in N and fins in rad; empty: it has none.
+  [[nodiscard]] virtual ActuatorVector commands() const { return {}; }
   /// dt in s, above 0.
   virtual void step(const Setpoint& setpoint, const WaterConditions& water, double dt) = 0;
 };
@@ -36,6 +38,7 @@ class DynamicVehicle final : public VehiclePlant {
 
   [[nodiscard]] const VehicleState& state() const override { return dynamics_.state(); }
   void step(const Setpoint& setpoint, const WaterConditions& water, double dt) override;
+  [[nodiscard]] ActuatorVector commands() const override { return autopilot_.allocation().commands; }
   VehicleDynamics& dynamics() { return dynamics_; }
   Autopilot& autopilot() { return autopilot_; }
 

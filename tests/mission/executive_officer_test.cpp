@@ -300,6 +300,27 @@ TEST_F(ExecutiveOfficerTest, VisitsThePointsThatTheCommodoreOrders) {
   EXPECT_EQ(report().reached, 3u);
 }
 
+// A vehicle on its way to its waiting place turns back when it gets another lane. ledger: S2-24 S2-50
+TEST_F(ExecutiveOfficerTest, LeavesTheWayToItsWaitingPlaceForAnotherLane) {
+  plan.search.length_m = plan.search.breadth_m = 10;
+  plan.search.run_out_m = 0;
+  ASSERT_EQ(plan.search.all_stations(), 2u) << "the points behind them are waiting places";
+  plan.group = {{"alpha", {0, 0}}, {"bravo", {0, 50}}};
+  start();
+  script->hear(VisitOrder{1, {2}, false, "it waits"}, now);
+  EXPECT_EQ(asked().point, 2u);
+  planned();
+  const auto turned = only<RouteRequest>(script->hear(VisitOrder{2, {1, 0, 2}, false, "a lane"}, now));
+  ASSERT_EQ(turned.size(), 1u);
+  EXPECT_EQ(turned[0].point, 1u);
+  for (const std::size_t next : {0, 2}) {
+    planned();
+    const auto asked_for = only<RouteRequest>(passed());
+    ASSERT_EQ(asked_for.size(), 1u);
+    EXPECT_EQ(asked_for[0].point, next);
+  }
+}
+
 // The operator holds the vehicle while its points change: it resumes with the new ones. ledger: S2-32
 TEST_F(ExecutiveOfficerTest, ResumesWithThePointsThatWereOrderedMeanwhile) {
   plan.search.length_m = 100;

@@ -216,8 +216,17 @@ void ExecutiveOfficer::visit(const VisitOrder& order, Outbox& out) {
       facts_.erase({fact, index(point)});
     }
   }
-  const PlanAction* action = executor_->update(visit_graph(*plan_, order.points, order.last, config_), now_);
+  PlanGraph graph = visit_graph(*plan_, order.points, order.last, config_);
   decide("visit", order.why, out);
+  // The way to a waiting place ends when there is something to do; any other way is gone to its end.
+  const bool was_to_wait = on_the_way && point_ >= plan_->search.all_stations() && order.points.size() > 1;
+  if (was_to_wait) {
+    executor_.emplace(std::move(graph));
+    const PlanAction& first = executor_->start(now_);
+    if (!paused_) act(first, out);
+    return;
+  }
+  const PlanAction* action = executor_->update(std::move(graph), now_);
   if (action && !paused_) act(*action, out);
 }
 

@@ -50,7 +50,7 @@ struct GoalSelectorConfig {
   double turn_reserve = 1.2;
   double max_growth_m = 1;
   double pursued_speed = 1.3;  ///< of the speed of the order, as far as the vehicle can
-  double pursued_margin_m = 2.5;
+  double pursued_margin_m = 4;
   double blocked_replan_s = 0.2;
   TrafficConfig planner = {.margin_m = 1.2, .sigmas = 1, .roads = false, .search = {}};
 };

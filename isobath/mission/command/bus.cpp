@@ -88,6 +88,7 @@ std::map<std::string, std::uint64_t> Bus::sent_by(const std::string& sender) con
 Envelope Bus::post(std::string sender, Message message, Time now) {
   if (auto* decision = std::get_if<Decision>(&message)) decision->number = ++decisions_;
   Envelope envelope{++number_, now, std::move(sender), std::move(message)};
+  envelope.link = chain_.link(envelope.message, envelope.number, now);
   ++said_[envelope.sender].at(envelope.message.index());
   if (recorder_) {
     try {

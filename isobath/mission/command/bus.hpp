@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <isobath/mission/command/command_chain.hpp>
 #include <isobath/mission/messages/agent.hpp>
 #include <map>
 #include <optional>
@@ -37,6 +38,7 @@ struct Envelope {
   Time time;                 ///< of sending
   std::string sender;        ///< name of the agent, or one of the names above
   Message message;
+  std::optional<CommandLink> link = {};  ///< of a command
 };
 
 /// Receives every message in order; must not call back into the executor.
@@ -60,6 +62,7 @@ class Bus {
 
  private:
   Recorder recorder_;
+  CommandChain chain_;
   std::optional<std::string> recorder_loss_;
   std::uint64_t number_ = 0, decisions_ = 0;
   std::map<std::string, Counts> said_;

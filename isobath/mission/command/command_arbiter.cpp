@@ -57,7 +57,7 @@ void CommandArbiter::on_action(SafetyAction action) {
   action_ = std::move(action);
 }
 
-void CommandArbiter::on_message(const Message& message, Time now) {
+void CommandArbiter::on_message(const Message& message, Time now, std::uint64_t number) {
   if (const auto* command = std::get_if<OperatorCommand>(&message)) {
     if (command->kind == OperatorCommand::Kind::kStart && !first_) first_ = now;
   }
@@ -72,7 +72,9 @@ void CommandArbiter::on_message(const Message& message, Time now) {
     }
     order_ = *order;
     ordered_ = now;
+    order_number_ = number;
   } else if (const auto* action = std::get_if<SafetyAction>(&message)) {
+    action_number_ = number;
     on_action(*action);
   } else if (const auto* lost = std::get_if<AgentLost>(&message)) {
     if (!config_.safety_officer.empty() && lost->agent == config_.safety_officer) safety_lost_ = lost->why;
@@ -163,6 +165,18 @@ Setpoint CommandArbiter::steer(Time now) {
   last_ = allowed(wanted);
   limited_ += same(wanted, last_) ? 0 : 1;
   return last_;
+}
+
+std::uint64_t CommandArbiter::served() const {
+  switch (state_) {
+    case HelmState::kOrders:
+    case HelmState::kSlow: return order_number_;
+    case HelmState::kTurn: return action_number_;
+    case HelmState::kStop:
+    case HelmState::kSurface: return action_.kind == SafetyActionKind::kNone ? 0 : action_number_;
+    case HelmState::kWaiting: break;
+  }
+  return 0;
 }
 
 std::optional<Decision> CommandArbiter::take_change() { return std::exchange(change_, std::nullopt); }

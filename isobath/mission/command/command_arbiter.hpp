@@ -43,10 +43,13 @@ class CommandArbiter {
   CommandArbiter(const CommandArbiterConfig& config, const VehicleParameters& vehicle)
       : config_(config), vehicle_(vehicle), deepest_(vehicle.limits.max_depth) {}
 
-  void on_message(const Message& message, Time now);
+  /// `number`: that of the message's envelope.
+  void on_message(const Message& message, Time now, std::uint64_t number = 0);
   Setpoint steer(Time now);
 
   [[nodiscard]] HelmState state() const { return state_; }
+  /// Number of the helm order or safety action that the last set-point serves; 0: neither.
+  [[nodiscard]] std::uint64_t served() const;
   /// The change of the last steer, if there was one.
   [[nodiscard]] std::optional<Decision> take_change();
   [[nodiscard]] std::uint64_t refused() const { return refused_; }  ///< orders and actions that were not finite
@@ -72,6 +75,7 @@ class CommandArbiter {
   std::optional<HelmOrder> order_;
   Time ordered_;
   SafetyAction action_;
+  std::uint64_t order_number_ = 0, action_number_ = 0;
   std::optional<std::string> safety_lost_;
   Setpoint last_;
   HelmState state_ = HelmState::kWaiting;

@@ -195,7 +195,7 @@ void Executor::lose(Member& m, bool hung, const std::string& why) {
 
 void Executor::post(const std::string& sender, Message message) {
   queue_.push_back(bus_.post(sender, std::move(message), now_));
-  arbiter_.on_message(queue_.back().message, now_);
+  arbiter_.on_message(queue_.back().message, now_, queue_.back().number);
 }
 
 void Executor::decide(const char* what, std::string reason) {

@@ -62,6 +62,8 @@ class Executor final : public AgentExecutor {
   bool advance(Time now);
   /// The set-point from now on; that of the latest instant where `now` is before it.
   Setpoint helm(Time now);
+  /// CommandArbiter::served of the last set-point.
+  [[nodiscard]] std::uint64_t served() const { return arbiter_.served(); }
 
   /// Faults for tests: `hang` gives an agent no further turn and sends no message about it; `kill` makes an agent die
   /// in its next turn. The name must be that of an agent.

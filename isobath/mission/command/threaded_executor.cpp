@@ -83,7 +83,7 @@ void ThreadedExecutor::State::put(Post& post, Post::Item item) {
 void ThreadedExecutor::State::say(const std::string& sender, Message message) {
   const Time at = now();
   const auto envelope = std::make_shared<const Envelope>(bus.post(sender, std::move(message), at));
-  arbiter.on_message(envelope->message, at);
+  arbiter.on_message(envelope->message, at, envelope->number);
   std::vector<std::string> overfull;
   for (const auto& post : posts) {
     if (post->lost) continue;
@@ -246,6 +246,11 @@ Setpoint ThreadedExecutor::helm() {
   advance();
   const std::lock_guard lock(state_->mutex);
   return state_->setpoint;
+}
+
+std::uint64_t ThreadedExecutor::served() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->arbiter.served();
 }
 
 void ThreadedExecutor::settle() {

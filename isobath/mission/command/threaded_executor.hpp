@@ -34,6 +34,8 @@ class ThreadedExecutor final : public AgentExecutor {
   void advance();
   /// Advances, and returns the set-point from now on.
   Setpoint helm();
+  /// CommandArbiter::served of the last set-point.
+  [[nodiscard]] std::uint64_t served() const;
   /// Waits until all mailboxes are empty and no turn is running, except for agents that are lost, or hang by `hang`. An
   /// agent that hangs by itself keeps it waiting until the `advance` of another thread has given that agent up.
   void settle();
