@@ -157,6 +157,7 @@ void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehi
 void Display::on_message(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);
+  levels_.on_message(envelope);
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
     std::optional<Eigen::Vector2d> then_W;
     if (decision->approach) {

@@ -11,6 +11,7 @@
 
 #include <isobath/base/task_thread.hpp>
 #include <isobath/display/display_state.hpp>
+#include <isobath/display/level_display.hpp>
 #include <isobath/display/map_display.hpp>
 #include <isobath/display/obstacle_display.hpp>
 #include <isobath/display/sonar_display.hpp>
@@ -58,7 +59,8 @@ DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths)
 
 class Display : public ResultSink {
  public:
-  explicit Display(DisplayState& items) : items_(items), sonars_(items), maps_(items), obstacles_(items) {}
+  explicit Display(DisplayState& items)
+      : items_(items), sonars_(items), maps_(items), obstacles_(items), levels_(items) {}
 
   /// Call it at the first event, and again when the scene has changed.
   void show(Time time, const DisplayScene& scene);
@@ -71,6 +73,9 @@ class Display : public ResultSink {
   void on_message(const Envelope& envelope);
   /// The set-point from now on.
   void want(const Setpoint& wanted) { wanted_ = wanted; }
+
+  /// Commands to the actuators (LevelDisplay::on_servo).
+  void on_servo(Time time, std::uint64_t parent, const std::string& text) { levels_.on_servo(time, parent, text); }
 
   /// Call it after each event: shows the maps and counts that are due.
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
@@ -98,6 +103,7 @@ class Display : public ResultSink {
   SonarDisplay sonars_;
   MapDisplay maps_;
   ObstacleDisplay obstacles_;
+  LevelDisplay levels_;
   std::optional<Time> start_, vehicle_shown_, counted_;
   std::optional<Setpoint> wanted_;
   std::optional<double> altitude_m_;

@@ -44,8 +44,9 @@ enum class DisplayKind : std::uint8_t {
   kCubes,
   kSphere,
   kSounds,
+  kLevels,
 };
-inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kSounds;
+inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kLevels;
 
 /// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
 /// readers that ask for them, and nothing waits for them.

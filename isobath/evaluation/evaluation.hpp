@@ -101,6 +101,9 @@ struct Summary {
 };
 Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method,
                   const std::vector<StoryStage>& stages = {});
+GroupSummary summarise_groups(const std::vector<ScoredRun>& runs, std::size_t method);
+/// Adds the bars that the groups miss.
+void add_broken_bars(const BarsConfig& bars, const GroupSummary& groups, std::vector<std::string>& broken);
 /// Of the first method, one per variant in their order; variants without runs are left out.
 std::vector<Summary> summarise_variants(const std::vector<SuiteVariant>& variants, const std::vector<ScoredRun>& runs);
 /// The bars that the summary misses, each as a sentence.

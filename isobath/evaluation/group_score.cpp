@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <isobath/evaluation/evaluation.hpp>
 #include <isobath/evaluation/group_score.hpp>
 #include <isobath/run/group_run.hpp>
@@ -78,6 +79,52 @@ ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, Run
   if (s.goal_reached) s.goal_s = s.duration_s;
   if (!s.goal_reached && !s.collision) s.refused = failure;
   return shown;
+}
+
+GroupSummary summarise_groups(const std::vector<ScoredRun>& runs, std::size_t method) {
+  GroupSummary s;
+  std::vector<double> searched, overlap, unlost, all, separation, reassigned, bits;
+  std::size_t lost = 0;
+  for (const ScoredRun& run : runs) {
+    const GroupRunScore& g = run.scores[method].group;
+    if (g.vehicles == 0) continue;
+    ++s.runs;
+    searched.push_back(g.searched);
+    bits.push_back(g.bit_rate);
+    if (g.all_searched_s >= 0) all.push_back(g.all_searched_s);
+    if (g.vehicles > 1) overlap.push_back(g.overlap);
+    if (g.vehicles > 1 && g.lost_s < 0) unlost.push_back(g.overlap);
+    if (g.vehicles > 1) separation.push_back(g.separation_m);
+    lost += g.lost_s >= 0;
+    if (g.reassigned_s >= 0) reassigned.push_back(g.reassigned_s);
+  }
+  s.reassigned = share(reassigned.size(), lost);
+  s.searched = spread(searched);
+  s.overlap = spread(overlap);
+  s.overlap_unlost = spread(unlost);
+  s.all_searched_s = spread(all);
+  s.separation_m = spread(separation);
+  s.reassigned_s = spread(reassigned);
+  s.bit_rate = spread(bits);
+  return s;
+}
+
+void add_broken_bars(const BarsConfig& bars, const GroupSummary& g, std::vector<std::string>& broken) {
+  if (g.runs == 0) return;
+  if (bars.searched_share >= 0 && g.searched.least < bars.searched_share) {
+    broken.push_back(
+        fmt::format("searched_share: {:.3f} in a run, at least {:g}", g.searched.least, bars.searched_share));
+  }
+  if (bars.overlap_share >= 0 && g.overlap_unlost.most > bars.overlap_share) {
+    broken.push_back(
+        fmt::format("overlap_share: {:.3f} in a run, at most {:g}", g.overlap_unlost.most, bars.overlap_share));
+  }
+  if (bars.separation_m >= 0 && g.separation_m.count > 0 && g.separation_m.least < bars.separation_m) {
+    broken.push_back(fmt::format("separation_m: {:.2f} m, at least {:g}", g.separation_m.least, bars.separation_m));
+  }
+  if (bars.bit_rate >= 0 && g.bit_rate.most > bars.bit_rate) {
+    broken.push_back(fmt::format("bit_rate: {:.1f} bit/s, at most {:g}", g.bit_rate.most, bars.bit_rate));
+  }
 }
 
 }  // namespace isobath

@@ -119,12 +119,13 @@ void RunDisplay::on_setpoint(Time time, const Setpoint& setpoint) {
   post(Kind::kNote, &RunDisplay::show_setpoint, time, setpoint);
 }
 
-void RunDisplay::servo(Time time, std::uint64_t parent, const ActuatorVector& commands) {
-  if (recorder_) post(Kind::kNote, &RunDisplay::show_servo, time, parent, commands);
+void RunDisplay::servo(Time time, std::uint64_t parent, const ServoCommands& commands) {
+  post(Kind::kNote, &RunDisplay::show_servo, time, parent, commands);
 }
 
-void RunDisplay::show_servo(const Time& time, const std::uint64_t& parent, const ActuatorVector& commands) {
-  recorder_->servo(time, parent, commands);
+void RunDisplay::show_servo(const Time& time, const std::uint64_t& parent, const ServoCommands& commands) {
+  display_->on_servo(time, parent, commands.text);
+  if (recorder_) recorder_->servo(time, parent, commands.values);
 }
 
 void RunDisplay::show_setpoint(const Time& time, const Setpoint& setpoint) {

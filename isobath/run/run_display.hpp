@@ -28,6 +28,12 @@
 
 namespace isobath {
 
+/// Commands to the actuators of a simulated vehicle.
+struct ServoCommands {
+  ActuatorVector values;  ///< VehiclePlant::commands
+  std::string text;       ///< the same with their names
+};
+
 class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
  public:
   /// Bounds of the queue of a live run: 64 MiB of pings of 512 beams x 500 samples.
@@ -49,8 +55,8 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void on_truth(const EchoTruth& echoes) override;
   void on_truth(const TrueMotion& motion) override;
   void on_setpoint(Time time, const Setpoint& setpoint) override;
-  /// Commands to the actuators; recorded, not shown.
-  void servo(Time time, std::uint64_t parent, const ActuatorVector& commands);
+  /// Commands to the actuators, and the number of the message that they serve.
+  void servo(Time time, std::uint64_t parent, const ServoCommands& commands);
   /// Whether the scene and the timings are due again.
   [[nodiscard]] bool wants_scene(Time time);
   void show(Time time, const DisplayScene& scene);
@@ -87,7 +93,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   struct KeptScan;
   void begin_recording(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input);
   /// Shows something: at once, or, live, a copy of it in the display thread.
-  void show_servo(const Time& time, const std::uint64_t& parent, const ActuatorVector& commands);
+  void show_servo(const Time& time, const std::uint64_t& parent, const ServoCommands& commands);
   template <class... Told>
   void post(Kind kind, void (RunDisplay::*show)(const Told&...), const Told&... told);
   static std::shared_ptr<const KeptPing> keep(const PosedPing& ping);

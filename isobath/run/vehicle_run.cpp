@@ -14,6 +14,20 @@ namespace {
 
 constexpr Duration kExecutorCycle = std::chrono::milliseconds(600);
 
+/// "propeller 11.2 N, rudder -3.4 deg".
+std::string actuator_text(const VehicleModel& vehicle, const ActuatorVector& commands) {
+  std::string text;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(commands.size()); ++i) {
+    const double value = commands[static_cast<Eigen::Index>(i)];
+    const bool is_fin = i >= vehicle.thrusters.size();
+    if (!text.empty()) text += ", ";
+    text += is_fin ? fmt::format("{} {:.1f} deg", vehicle.fins[i - vehicle.thrusters.size()].name,
+                                 Angle::radians(value).degrees())
+                   : fmt::format("{} {:.1f} N", vehicle.thrusters[i].name, value);
+  }
+  return text;
+}
+
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -253,11 +267,12 @@ bool VehicleRun::take(Event event) {
 
 void VehicleRun::note_servo(Time time) {
   if (!helm_ || !input_.simulated() || live_ || (servo_due_ && time < *servo_due_)) return;
-  const ActuatorVector commands = input_.simulated()->simulator().actuator_commands();
+  const Simulator& simulator = input_.simulated()->simulator();
+  const ActuatorVector commands = simulator.actuator_commands();
   if (commands.size() == 0) return;
   servo_due_ = time + kExecutorCycle;
   levels_.on_servo(time, helm_->served());
-  if (display_.on()) display_.servo(time, helm_->served(), commands);
+  if (display_.on()) display_.servo(time, helm_->served(), {commands, actuator_text(simulator.vehicle(), commands)});
 }
 
 bool VehicleRun::steer() {

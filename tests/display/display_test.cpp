@@ -663,6 +663,35 @@ TEST(MapDisplay, ShowsTheCellsWithEchoesOfTheSphericalGrid) {
   EXPECT_EQ(state(only(items, Kind::kSphere).payload), state(bytes) | kLocked) << "further echoes change it no more";
 }
 
+// ledger: S2-52
+TEST(Display, ShowsTheCommandInForceAtEachLevel) {
+  DisplayState items;
+  Display display(items);
+  std::uint64_t number = 0;
+  const auto say = [&](double s, const char* by, Message message, CommandLevel level, std::uint64_t parent) {
+    display.on_message({++number, Time(seconds(s)), by, std::move(message), CommandLink{level, parent}});
+  };
+  const auto levels = [&] { return json::parse(only(items, Kind::kLevels).payload); };
+  RouteRequest request;
+  request.target.name = "lane 2, station 3";
+  say(1, "executive officer", request, CommandLevel::kVehicle, 7);
+  say(1.5, "pilot", HelmOrder{{Angle::degrees(5), 12, 1.5, 0}}, CommandLevel::kPrimitive, 1);
+  ASSERT_EQ(levels().size(), 1u) << "set-points are shown once a second";
+  say(2.1, "pilot", HelmOrder{{Angle::degrees(5), 12, 1.5, 0}}, CommandLevel::kPrimitive, 1);
+  ASSERT_EQ(levels().size(), 2u);
+  EXPECT_EQ(levels()[0]["command"], "go to lane 2, station 3");
+  EXPECT_EQ(levels()[0]["parent"], 7);
+  EXPECT_EQ(levels()[1]["level"], "primitive");
+  EXPECT_EQ(levels()[1]["command"], "heading 5 deg, depth 12.0 m, 1.50 m/s");
+  EXPECT_EQ(levels()[1]["since_ns"], 1'500'000'000) << "the same command since then";
+  display.on_servo(Time(seconds(4.0)), 3, "propeller 6.9 N");
+  EXPECT_EQ(levels()[2]["by"], "helm gate");
+  EXPECT_EQ(levels()[2]["parent"], 3);
+  say(4.1, "captain", MissionOrder{MissionOrder::Kind::kHold, nullptr, MissionEnd::kHold, "the operator asks for it"},
+      CommandLevel::kMission, 0);
+  EXPECT_EQ(levels()[0]["command"], "hold: the operator asks for it") << "at once";
+}
+
 // ledger: S4-54
 TEST(Display, ShowsWhereSoundsComeFrom) {
   DisplayState items;

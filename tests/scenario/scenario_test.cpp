@@ -130,7 +130,7 @@ TEST(Scenario, OfAGroupIsTheSameMissionForEachVehicle) {
       "[search_area]\nlength_m = 60\nbreadth_m = 20\n";
   const Scenario all = parse_scenario(text, "a.toml");
   ASSERT_EQ(all.mission.group.size(), 3u);
-  EXPECT_EQ(all.mission.points.size(), 10u) << "two lanes of three stations and two ends";
+  EXPECT_EQ(all.mission.points.size(), 10u + 6u) << "two lanes of three stations and two ends; two waiting places each";
   const Scenario bravo = all.of_vehicle(1);
   EXPECT_EQ(bravo.mission.own, 1u);
   EXPECT_EQ(bravo.scene.vehicle.start, Eigen::Vector3d(10, 20, 3));

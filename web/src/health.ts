@@ -3,6 +3,7 @@ import type { AlignedData } from 'uplot';
 import { Chart } from './chart';
 import { byId, make, say } from './dom';
 import type { Health, StageTime } from './items';
+import { levelNote, type Level } from './levels';
 import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
@@ -30,9 +31,10 @@ export class HealthView implements View {
     say(byId('health-count'), troubles > 0 ? ` ▲ ${troubles}` : '');
     const panel = byId('health-body');
     if (panel.clientWidth === 0) return;
-    const look = `${model.revision[Kind.health]} ${model.revision[Kind.times]} ${theme.revision} ${panel.clientWidth}`;
+    const look = `${model.revision[Kind.health]} ${model.revision[Kind.times]} ${model.revision[Kind.levels]} ${theme.revision} ${panel.clientWidth}`;
     if (look === this.drawn) return;
     this.drawn = look;
+    this.levels(model.levels);
     byId('health-none').hidden = health !== null;
     if (!health) return;
     this.troubles(health);
@@ -52,6 +54,23 @@ export class HealthView implements View {
       ),
     );
     this.stages(model.times);
+  }
+
+  private levels(levels: readonly Level[]): void {
+    byId('level-section').hidden = levels.length === 0;
+    byId('health-levels').replaceChildren(
+      ...levels.map((level) => {
+        const age = this.shared.model.age(level.since);
+        const note = levelNote(level, Number.isFinite(age) ? units.age(Math.max(0, age)) : '');
+        return make(
+          'li',
+          { 'data-level': level.level },
+          make('strong', {}, level.level),
+          ` ${level.command} `,
+          make('small', {}, note),
+        );
+      }),
+    );
   }
 
   private troubles(health: Health): void {

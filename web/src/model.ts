@@ -9,6 +9,7 @@ import * as items from './items';
 import * as protocol from './protocol';
 import { Kind } from './protocol';
 import { EchoTrail } from './echo_trail';
+import { readLevels, type Level } from './levels';
 import { readSounds, type Sound } from './sounds';
 import { SonarImage } from './sonar_image';
 
@@ -54,6 +55,7 @@ export class Model {
   sphere: protocol.Sphere | null = null;
   /** What the passive array hears. */
   sounds: Sound[] = [];
+  levels: Level[] = [];
   health: items.Health | null = null;
   /** Times of the stages by a real clock; in a live view only. */
   times: items.StageTime[] = [];
@@ -94,6 +96,7 @@ export class Model {
     this.decisions = [];
     this.times = [];
     this.sounds = [];
+    this.levels = [];
     for (const map of [this.track, this.sonars, this.depth, this.voxels, this.cubes, this.waiting]) map.clear();
     this.trail.clear();
     for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
@@ -167,6 +170,8 @@ export class Model {
         return this.keep(protocol.readSphere(payload), (sphere) => (this.sphere = sphere));
       case Kind.sounds:
         return this.keep(readSounds(protocol.readJson(payload)), (sounds) => (this.sounds = sounds));
+      case Kind.levels:
+        return this.keep(readLevels(protocol.readJson(payload)), (levels) => (this.levels = levels));
       case Kind.health:
         return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
       case Kind.times:
@@ -254,6 +259,9 @@ export class Model {
         break;
       case Kind.sounds:
         this.sounds = [];
+        break;
+      case Kind.levels:
+        this.levels = [];
         break;
       case Kind.health:
         this.health = null;

@@ -26,9 +26,10 @@ export const Kind = {
   cubes: 16,
   sphere: 17,
   sounds: 18,
+  levels: 19,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.sounds;
+export const kLastKind = Kind.levels;
 
 export const kHead = 24;
 const kGone = 1;

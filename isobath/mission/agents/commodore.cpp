@@ -87,6 +87,7 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   own_ = plan_->own;
   members_.assign(plan_->group.size(), Member{now, {}, false});
   for (std::size_t i = 0; i < members_.size(); ++i) members_[i].status.place_W = plan_->group[i].start;
+  if (members_.size() == 1) members_[0].status.place_W = here_W_;
   done_ = 0;
   lane_.reset();
   visits_.clear();
