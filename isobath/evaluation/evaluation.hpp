@@ -13,6 +13,7 @@
 #include <functional>
 #include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/evaluation/run_score.hpp>
+#include <isobath/scenario/group_record.hpp>
 #include <map>
 #include <memory>
 #include <span>
@@ -144,6 +145,11 @@ Evaluation evaluate(const EvaluationRequest& request);
 /// One run under one helm. `observer` may be null.
 LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle,
                       OnboardObserver* observer = nullptr);
+/// A run of a group, with the score that RunScore gives to each run: the nearest of all vehicles to a body counts, and
+/// the goal is reached when the area was searched whole and the mission of each vehicle that was not lost has ended.
+/// The decisions of the result are those of all vehicles by time, each agent with the name of its vehicle.
+ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, RunScore& score);
+
 /// The worst runs of the first method, worst first: contact, collision, failed fault check, lost, refused, then by
 /// path ratio.
 std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::size_t most);

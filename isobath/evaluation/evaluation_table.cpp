@@ -152,7 +152,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
 std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation) {
   std::vector<std::vector<std::string>> rows;
   if (evaluation.variants.empty()) return rows;
-  if (evaluation.summaries.front().group.runs > 0) return group_variant_table(evaluation);
+  if (evaluation.variants.front().group.runs > 0) return group_variant_table(evaluation);
   rows.push_back({"variant", "runs", "goal", "collision", "refused", "path ratio", "minimum clearance, m",
                   "false obstacles", "within 20 m"});
   const auto count = [](const Share& share) { return fmt::format("{}", share.count); };

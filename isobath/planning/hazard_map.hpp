@@ -26,7 +26,17 @@
 
 namespace isobath {
 
-enum class HazardKind : std::uint8_t { kSeen, kRemembered, kCharted, kMapped, kVoxels, kFence, kInjected, kMoving, kVehicle };
+enum class HazardKind : std::uint8_t {
+  kSeen,
+  kRemembered,
+  kCharted,
+  kMapped,
+  kVoxels,
+  kFence,
+  kInjected,
+  kMoving,
+  kVehicle
+};
 const char* to_text(HazardKind kind);
 
 struct Hazard {

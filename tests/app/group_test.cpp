@@ -177,6 +177,33 @@ TEST(Group, EachCommandToAnActuatorLeadsBackToTheOrderOfTheMission) {
   }
 }
 
+// ledger: S2-50 S6-67
+TEST(Group, IsScoredBySuites) {
+  const auto folder = test::scratch_folder();
+  scene(folder);
+  const auto suite = test::write(folder / "small.toml", R"([suite]
+scene = "group.toml"
+runs = 2
+seed = 1
+duration_s = 60
+[[group]]
+name = "two"
+[[group]]
+name = "one-lost"
+loses_vehicle = true
+[vary]
+lost_s = [5, 10]
+[bars]
+searched_share = 0.99
+)");
+  const auto result = test::isobath({"eval", suite.string(), "--out", (folder / "out").string(), "--json"});
+  EXPECT_EQ(result.exit_code, 1) << "a minute is not enough";
+  const auto json = nlohmann::json::parse(result.out);
+  test::JsonPage().compare("eval", json);
+  EXPECT_THAT(json["broken_bars"].dump(), HasSubstr("searched_share"));
+  EXPECT_EQ(json["variants"]["two"]["group"]["overlap"]["count"], 1);
+}
+
 TEST(Group, IsRefusedWhereOneVehicleIsExpected) {
   const auto folder = test::scratch_folder();
   const std::string file = scene(folder).string();

@@ -260,9 +260,10 @@ TEST_F(JsonOutput, OfEval) {
                              "[[stage]]\nname = \"elsewhere\"\nat = [0, 90]\n");
   compare("eval", {"eval", told, "--out", folder_ / "story"});
   for (const std::string& field : page_.never_came_out("eval")) {
-    EXPECT_THAT(field, testing::ContainsRegex(
-                           "^(faults|story.clearance_of_injected_m|(baselines.\\*.|variants.\\*.)?(reasons|spreads))"))
-        << "only these need faults, refusals and reached goals";
+    EXPECT_THAT(field,
+                testing::ContainsRegex(
+                    "^(faults|story.clearance_of_injected_m|(baselines.\\*.|variants.\\*.)?(reasons|spreads|group))"))
+        << "only these need faults, refusals, reached goals and groups (group_test.cpp)";
   }
 }
 

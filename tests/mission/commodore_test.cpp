@@ -164,6 +164,22 @@ TEST_F(CommodoreTest, ResumesALaneWhereTheLostVehicleLeftIt) {
   EXPECT_FALSE(told->backwards);
 }
 
+// A packet with a new plan was lost, and another vehicle begins a lane of the plan before. ledger: S2-50 S2-51
+TEST_F(CommodoreTest, LeavesALaneToTheVehicleThatBeganIt) {
+  start(0);
+  GroupStatus other = status(1);
+  other.lane = 2;
+  auto orders = only<VisitOrder>(hear(other));
+  ASSERT_EQ(orders.size(), 1u);
+  EXPECT_THAT(orders[0].points, testing::Not(testing::Contains(testing::AnyOf(4, 5)))) << "lane 3";
+  EXPECT_THAT(orders[0].points, testing::Contains(6));
+  EXPECT_THAT(orders[0].why, HasSubstr("bravo sails lane 3"));
+  other.number = ++number;
+  EXPECT_THAT(only<VisitOrder>(hear(other)), IsEmpty()) << "once";
+  wait(70);
+  EXPECT_THAT(only<VisitOrder>(script->said).back().points, testing::IsSupersetOf({4, 5})) << "bravo is lost";
+}
+
 // ledger: S2-50
 TEST_F(CommodoreTest, TheSecondVehicleLeadsWhenTheFirstIsLost) {
   start(1);

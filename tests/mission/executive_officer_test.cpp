@@ -300,6 +300,22 @@ TEST_F(ExecutiveOfficerTest, VisitsThePointsThatTheCommodoreOrders) {
   EXPECT_EQ(report().reached, 3u);
 }
 
+// An order that has the present point, but not first, skips no other. ledger: S2-24
+TEST_F(ExecutiveOfficerTest, SkipsNoPointOfAnOrderThatHasThePresentOneLater) {
+  plan.search.length_m = 100;
+  plan.group = {{"alpha", {0, 0}}, {"bravo", {0, 50}}};
+  start();
+  script->hear(VisitOrder{1, {2, 0}, false, "first"}, now);
+  planned();
+  const auto turned = only<RouteRequest>(script->hear(VisitOrder{2, {1, 2}, false, "another lane first"}, now));
+  ASSERT_EQ(turned.size(), 1u);
+  EXPECT_EQ(turned[0].point, 1u);
+  planned();
+  const auto next = only<RouteRequest>(passed());
+  ASSERT_EQ(next.size(), 1u);
+  EXPECT_EQ(next[0].point, 2u);
+}
+
 // A vehicle on its way to its waiting place turns back when it gets another lane. ledger: S2-24 S2-50
 TEST_F(ExecutiveOfficerTest, LeavesTheWayToItsWaitingPlaceForAnotherLane) {
   plan.search.length_m = plan.search.breadth_m = 10;

@@ -186,7 +186,12 @@ void Commodore::on(const GroupStatus& status, Time now, Outbox& out) {
   const bool was_done = all_done();
   done_ |= status.done;
   note_stations(status);
-  if (!was_done && all_done()) order("all lanes are done", now, out);
+  if (!was_done && all_done()) return order("all lanes are done", now, out);
+  const auto lane = lane_of(status.from);
+  const auto is_of_lane = [&](std::size_t point) { return point / stations_ == *lane; };
+  if (lane && lane != lane_ && std::ranges::any_of(visits_, is_of_lane)) {
+    order(fmt::format("{} sails lane {}", name_of_vehicle(status.from), *lane + 1), now, out);
+  }
 }
 
 void Commodore::on(const GroupPlan& plan, Time now, Outbox& out) {
@@ -282,11 +287,20 @@ void Commodore::take(const GroupPlan& plan, const std::string& why, Time now, Ou
   order(why, now, out);
 }
 
+/// Two vehicles may follow two plans for a while: the lane is that of the one that began it.
+bool Commodore::is_sailed_by_another(std::size_t lane) const {
+  for (std::size_t v = 0; v < members_.size(); ++v) {
+    if (v != own_ && sails(v) && lane_of(v) == lane && lane_ != lane) return true;
+  }
+  return false;
+}
+
 /// The own points of the plan, from where the vehicle is.
 void Commodore::order(const std::string& why, Time now, Outbox& out) {
   if (!shared_ || over_) return;
   const bool last = all_done();
   std::vector<std::size_t> mine = lanes_of_vehicle(*shared_, own_, done_);
+  std::erase_if(mine, [this](std::size_t lane) { return is_sailed_by_another(lane); });
   std::vector<std::size_t> points;
   Vector2d from_W = here_W_;
   if (lane_) {  // it sails this lane to its end
@@ -349,6 +363,7 @@ void Commodore::watch(Time now, Outbox& out) {
     member.lost = true;
     replanned_.reset();
     decide(now, "vehicle lost", fmt::format("{} was not heard for {:.0f} s", name_of_vehicle(v), lost_s), out);
+    order(name_of_vehicle(v) + " is lost", now, out);
   }
 }
 

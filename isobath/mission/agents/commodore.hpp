@@ -76,6 +76,7 @@ class Commodore final : public Agent {
   void state_stations(GroupStatus& status) const;
   [[nodiscard]] bool is_left(std::size_t point) const;
   [[nodiscard]] std::optional<std::size_t> waiting_place(const Eigen::Vector2d& from_W) const;
+  [[nodiscard]] bool is_sailed_by_another(std::size_t lane) const;
   void say_hazards(Outbox& out);
   void order(const std::string& why, Time now, Outbox& out);
   void send(Time now, Outbox& out);

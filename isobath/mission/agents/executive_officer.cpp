@@ -218,9 +218,9 @@ void ExecutiveOfficer::visit(const VisitOrder& order, Outbox& out) {
   }
   PlanGraph graph = visit_graph(*plan_, order.points, order.last, config_);
   decide("visit", order.why, out);
-  // The way to a waiting place ends when there is something to do; any other way is gone to its end.
-  const bool was_to_wait = on_the_way && point_ >= plan_->search.all_stations() && order.points.size() > 1;
-  if (was_to_wait) {
+  // To go on with a point that is not the first would skip those before it.
+  const bool turns = on_the_way && !order.points.empty() && order.points.front() != point_;
+  if (turns) {
     executor_.emplace(std::move(graph));
     const PlanAction& first = executor_->start(now_);
     if (!paused_) act(first, out);

@@ -10,8 +10,8 @@
 //   point reached (i), point dropped (i), task done (i), returned     facts
 //   waited (i)      total time without a route to point i, s; i = number of points: without a route back
 //   depth           m
-// In a group the Commodore orders which points to visit, in which order; each order replaces what is still to come, and
-// the point that the vehicle is on its way to stays, if it is in the order (S2-24). Before the first order, and after
+// In a group the Commodore orders which points to visit, in which order; each order replaces what is still to come. The
+// way to a point goes on, if the point is the first of the order (S2-24). Before the first order, and after
 // the points of one that is not the last, the vehicle holds its position. If the Commodore is lost, the points that are
 // ordered are the last.
 //

@@ -122,7 +122,7 @@ struct PointMoved {
 };
 
 /// Commodore -> Executive Officer: the points of the mission to visit from now on, in this order, instead of those that
-/// are still to come. A point that the vehicle is on its way to and that is in the list comes first.
+/// are still to come. If the vehicle is on its way to the first of them, it goes on.
 struct VisitOrder {
   std::uint32_t version = 0;
   std::vector<std::size_t> points;

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/evaluation/evaluation.hpp>
-#include <isobath/evaluation/group_score.hpp>
 #include <isobath/run/group_run.hpp>
+#include <isobath/scenario/group_record.hpp>
 
 namespace isobath {
 namespace {
