@@ -28,7 +28,8 @@ GroupRunScore group_score(const GroupRecord& record) {
 std::string failure_of(const GroupRecord& record, const GroupRunScore& s) {
   for (const GroupVehicleRecord& vehicle : record.vehicles) {
     if (vehicle.lost_s || vehicle.report.phase == MissionPhase::kFinished) continue;
-    return vehicle.name + ": " + (vehicle.report.why.empty() ? to_text(vehicle.report.phase) : vehicle.report.why);
+    const bool says_why = vehicle.report.phase == MissionPhase::kAborted && !vehicle.report.why.empty();
+    return vehicle.name + ": " + to_text(vehicle.report.phase) + (says_why ? ", " + vehicle.report.why : "");
   }
   return s.all_searched_s < 0 ? "the area was not searched whole" : "";
 }
@@ -64,8 +65,8 @@ ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, Run
     s.points_dropped += static_cast<int>(vehicle.report.dropped);
     s.path_m += vehicle.length_m;
     for (Decision decision : vehicle.decisions) {
-      if (decision.agent == "safety officer" && decision.what != "over" && decision.what != "report")
-        ++s.safety_actions;
+      const bool calms = decision.what == "over" || decision.what == "report" || decision.what == "resume";
+      if (decision.agent == "safety officer" && !calms) ++s.safety_actions;
       if (decision.what == "replan") ++s.replans;
       decision.agent = run.scenario.mission.group[v].name + ", " + decision.agent;
       shown.result.decisions.push_back(std::move(decision));
