@@ -88,7 +88,7 @@ struct BarsConfig {
   double false_obstacles_20m = -1;  ///< within 20 m of the vehicle, per scan
   double shown_share = -1;          ///< share of the fault runs that show what their rows state
   double story_share = -1;          ///< share of the runs that show the story
-  // Of a group, in every run:
+  // The following bars hold for every run of a group.
   double searched_share = -1;
   double overlap_share = -1;  ///< where no vehicle is lost
   double separation_m = -1;

@@ -34,21 +34,6 @@ std::string failure_of(const GroupRecord& record, const GroupRunScore& s) {
   return s.all_searched_s < 0 ? "the area was not searched whole" : "";
 }
 
-void add_clearance(const LoopResult& vehicle, double scale, RunScore& s) {
-  if (vehicle.contact_s >= 0 && (s.contact_s < 0 || vehicle.contact_s < s.contact_s)) {
-    s.contact_s = vehicle.contact_s;
-    s.contact_with = vehicle.contact_with;
-  }
-  if (std::isfinite(vehicle.min_clearance_m) &&
-      (s.nearest_body.empty() || vehicle.min_clearance_m < s.min_clearance_m)) {
-    s.min_clearance_m = vehicle.min_clearance_m;
-    s.nearest_body = vehicle.nearest_body;
-  }
-  s.collision = s.collision || vehicle.contact_s >= 0 || vehicle.min_clearance_m < kCollision_m * scale;
-  s.near_miss = s.near_miss || s.collision || vehicle.min_clearance_m < kNearMiss_m * scale;
-  s.encounter = s.encounter || s.near_miss || vehicle.min_clearance_m < kEncounter_m * scale;
-}
-
 }  // namespace
 
 ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, RunScore& s) {
@@ -56,17 +41,16 @@ ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, Run
   request.configuration = method.configuration;
   request.configuration.simulation.seed = static_cast<int>(run.seed);
   request.configuration.simulation.duration_s = run.scenario.scene.about.duration_s;
-  const GroupLoop group = loop_group(run.scenario, request);
+  GroupLoop group = loop_group(run.scenario, request);
   const double scale = vehicle_model_of(run.scenario.scene).length / kReferenceHull_m;
-  ShownRun shown{{}, group.record};
+  ShownRun shown;
   for (std::size_t v = 0; v < group.vehicles.size(); ++v) {
     const LoopResult& vehicle = group.vehicles[v];
     add_clearance(vehicle, scale, s);
     s.points_dropped += static_cast<int>(vehicle.report.dropped);
     s.path_m += vehicle.length_m;
     for (Decision decision : vehicle.decisions) {
-      const bool calms = decision.what == "over" || decision.what == "report" || decision.what == "resume";
-      if (decision.agent == "safety officer" && !calms) ++s.safety_actions;
+      s.safety_actions += is_safety_action(decision);
       if (decision.what == "replan") ++s.replans;
       decision.agent = run.scenario.mission.group[v].name + ", " + decision.agent;
       shown.result.decisions.push_back(std::move(decision));
@@ -76,6 +60,7 @@ ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, Run
   s.duration_s = group.record.duration_s;
   s.group = group_score(group.record);
   const std::string failure = failure_of(group.record, s.group);
+  shown.group = std::move(group.record);
   s.goal_reached = failure.empty();
   if (s.goal_reached) s.goal_s = s.duration_s;
   if (!s.goal_reached && !s.collision) s.refused = failure;

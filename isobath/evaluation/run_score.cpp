@@ -63,8 +63,7 @@ void judge_openings(const std::vector<Decision>& decisions, RunScore& score) {
 
 void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& truth, double near_m, RunScore& score) {
   for (const Decision& d : decisions) {
-    const bool calms = d.what == "over" || d.what == "report" || d.what == "resume";
-    if (d.agent == "safety officer" && !calms) ++score.safety_actions;
+    score.safety_actions += is_safety_action(d);
     if (d.what != "replan") continue;
     ++score.replans;
     if (d.obstacle && !truth.is_near_body(*d.obstacle, to_seconds(d.time), near_m)) ++score.false_replans;
@@ -80,6 +79,24 @@ std::string refusal_of(const LoopResult& result) {
 }
 
 }  // namespace
+
+void add_clearance(const TrackTruth& truth, double scale, RunScore& s) {
+  if (truth.contact_s >= 0 && (s.contact_s < 0 || truth.contact_s < s.contact_s)) {
+    s.contact_s = truth.contact_s;
+    s.contact_with = truth.contact_with;
+  }
+  if (std::isfinite(truth.min_clearance_m) && (s.nearest_body.empty() || truth.min_clearance_m < s.min_clearance_m)) {
+    s.min_clearance_m = truth.min_clearance_m;
+    s.nearest_body = truth.nearest_body;
+  }
+  s.collision = s.collision || truth.contact_s >= 0 || truth.min_clearance_m < kCollision_m * scale;
+  s.near_miss = s.near_miss || s.collision || truth.min_clearance_m < kNearMiss_m * scale;
+  s.encounter = s.encounter || s.near_miss || truth.min_clearance_m < kEncounter_m * scale;
+}
+
+bool is_safety_action(const Decision& d) {
+  return d.agent == "safety officer" && d.what != "over" && d.what != "report" && d.what != "resume";
+}
 
 RunTruth::RunTruth(const Suite& suite, const SuiteRun& run) {
   const Simulator simulator(run.scenario.scene, {}, 1);
@@ -146,16 +163,7 @@ void RunTruth::plan(const Suite& suite, const SuiteRun& run) {
 
 RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTruth& truth, const SuiteConfig& suite) {
   RunScore s;
-  const double scale = truth.hull_length() / kReferenceHull_m;
-  s.contact_s = result.contact_s;
-  s.contact_with = result.contact_with;
-  if (std::isfinite(result.min_clearance_m)) {
-    s.min_clearance_m = result.min_clearance_m;
-    s.nearest_body = result.nearest_body;
-  }
-  s.collision = result.contact_s >= 0 || result.min_clearance_m < kCollision_m * scale;
-  s.near_miss = s.collision || result.min_clearance_m < kNearMiss_m * scale;
-  s.encounter = s.near_miss || result.min_clearance_m < kEncounter_m * scale;
+  add_clearance(result, truth.hull_length() / kReferenceHull_m, s);
 
   const Arrival end = arrival(result.track, mission, result.report.dropped, suite.goal_m);
   s.goal_reached = end.reached;

@@ -100,6 +100,12 @@ class RunTruth {
   std::string no_way_;
 };
 
+/// Adds the clearance of a vehicle to a score: of several vehicles the nearest to a body counts. `scale`: the length of
+/// the hull over kReferenceHull_m.
+void add_clearance(const TrackTruth& truth, double scale, RunScore& score);
+/// Whether a decision is an action of the Safety Officer, and not the end of one or a report.
+bool is_safety_action(const Decision& decision);
+
 RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTruth& truth, const SuiteConfig& suite);
 
 /// One run of a suite with its scores, one for each method.

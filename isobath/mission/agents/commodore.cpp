@@ -160,7 +160,7 @@ void Commodore::state_stations(GroupStatus& status) const {
   status.stations = static_cast<std::uint8_t>(std::min(count, kMostStations));
 }
 
-/// Whether a point is to be visited: nobody has, or the way to the next one is left.
+/// Whether the vehicle has to visit a point: no vehicle has visited it, or none has sailed from it to the next one.
 bool Commodore::is_left(std::size_t point) const {
   if (visited_[point] == 0) return true;
   const std::size_t station = point % stations_;
