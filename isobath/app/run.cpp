@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/exit_codes.hpp>
+#include <isobath/app/group_results.hpp>
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
@@ -42,6 +43,7 @@ void print(const MissionTimings& t) {
   print("detection: obstacles of a scan", t.detection);
   print("planning: the Navigator's turn", t.planning);
   print("scan to decision", t.scan_to_decision);
+  if (t.cycle.count > 0) print("cycle of 0.6 s, departure", t.cycle);
 }
 
 void print(const TruthScore& truth) {
@@ -183,30 +185,6 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
 
-/// The scene, if the input is one of several vehicles.
-std::optional<Scenario> group_of(const RunRequest& request) {
-  if (!is_scene(request.input)) return std::nullopt;
-  Scenario scenario = open_scenario(request.input);
-  if (scenario.scene.group.empty()) return std::nullopt;
-  return scenario;
-}
-
-int conclude_group(const RunRequest& request, const GroupOutcome& outcome, bool json) {
-  if (json) {
-    auto all = nlohmann::ordered_json::parse(group_text(outcome));
-    add_files(all, request.out, {"group.json", "group.png"});
-    print_json(all);
-  } else {
-    for (const std::string& line : group_summary(outcome))
-      fmt::print("{}\n", printable_text(line, 2 * kMaxForeignText));
-    fmt::print("written to {}: group.json, group.png and a folder for each vehicle\n", request.out.string());
-  }
-  std::fflush(stdout);
-  const std::string failure = outcome.failure();
-  if (!failure.empty()) std::fprintf(stderr, "isobath: %s\n", printable_text(failure).c_str());
-  return failure.empty() ? kSuccess : kFailedChecks;
-}
-
 int act(RunCommandOptions& options) {
   RunRequest& request = options.read();
   if (options.live) request.live_speed = speed_of(options.speed);
@@ -214,10 +192,16 @@ int act(RunCommandOptions& options) {
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
     progress.show(source.bytes_read, source.bytes_total, counts.pings + counts.ranges + counts.swaths);
   };
-  if (const auto scenario = group_of(request)) {
+  if (const auto scenario = vehicle_group_of(request)) {
     const GroupOutcome outcome = run_group(request, *scenario);
     progress.clear();
-    return conclude_group(request, outcome, options.json);
+    if (options.json) {
+      print_json(group_results_json(request, outcome));
+    } else {
+      print_group_results(request, outcome);
+    }
+    std::fflush(stdout);
+    return conclude_group(outcome);
   }
   const RunOutcome outcome = run(request);
   progress.clear();

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <future>
+#include <isobath/app/group_results.hpp>
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/run_json.hpp>
@@ -16,6 +17,7 @@
 #include <isobath/recording/recorded_playback.hpp>
 #include <isobath/report/mission_pages.hpp>
 #include <isobath/report/result_text.hpp>
+#include <isobath/run/group_run.hpp>
 #include <isobath/run/run.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
@@ -124,6 +126,17 @@ void print_end(const ServeOptions& options, const RunOutcome& outcome) {
   std::fflush(stdout);
 }
 
+void print_group_end(const ServeOptions& options, const GroupOutcome& outcome) {
+  if (options.json) {
+    nlohmann::ordered_json json{{"event", "finished"}, {"stopped", interrupted.load()}};
+    json.update(group_results_json(options.request, outcome));
+    return print_json_line(json);
+  }
+  print_group_results(options.request, outcome);
+  if (!interrupted) fmt::print("the run is over; its pages stay up\n");
+  std::fflush(stdout);
+}
+
 void wait_for_interrupt() {
   while (!interrupted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
@@ -179,46 +192,93 @@ TimeSpan span_of(const DisplayState& items) {
   return {first, last};
 }
 
+/// What the page of one vehicle shows, and what it orders.
+class VehiclePage {
+ public:
+  VehiclePage() = default;
+  VehiclePage(const VehiclePage&) = delete;
+  VehiclePage& operator=(const VehiclePage&) = delete;
+  ~VehiclePage() = default;
+
+  [[nodiscard]] RunWatch watch(double speed) {
+    return {&items_, speed, [] { return interrupted.load(); }, [this] { return orders_.next(); }};
+  }
+  /// Sources of the page; throws Error as check_page_sources.
+  const PageSources& sources(const std::filesystem::path& record, const std::string& token) {
+    sources_.live = std::shared_ptr<SharedChanges>(&shared_, [](SharedChanges*) {});
+    sources_.live_span = [this] { return span_of(items_); };
+    sources_.over = [this] { return over_.load(); };
+    sources_.open_playback = [record] { return std::make_unique<RecordedPlayback>(record); };
+    sources_.token = token;
+    if (!token.empty()) sources_.command = [this](PageCommand command) { return orders_.take(command); };
+    sources_.version = ISOBATH_VERSION;
+    check_page_sources(sources_);
+    return sources_;
+  }
+  void close() {
+    orders_.close();
+    over_ = true;
+  }
+
+ private:
+  DisplayState items_;
+  SharedChanges shared_{items_};
+  Orders orders_;
+  std::atomic<bool> over_{false};
+  PageSources sources_;
+};
+
+/// The result of a run of one vehicle or of a group.
+struct ServedRun {
+  RunOutcome alone;
+  std::optional<GroupOutcome> group;
+};
+
+ServedRun run_watched(RunRequest& request, const std::optional<Scenario>& group, std::span<const RunWatch> watches) {
+  if (group) return {{}, run_group(request, *group, watches)};
+  request.watch = watches.front();
+  return {run(request), std::nullopt};
+}
+
 int serve_run(ServeOptions& options, const WebServerConfig& config) {
   RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
   check_output_is_no_input(request.record, {request.input}, "--record");
   make_parent(request.record);
-  DisplayState items;
-  SharedChanges shared(items);
-  Orders orders;
   const double speed = speed_of(speed_words(options));
-  request.watch =
-      RunWatch{&items, options.live ? 0 : speed, [] { return interrupted.load(); }, [&] { return orders.next(); }};
   if (options.live) request.live_speed = speed;
-
-  PageSources sources;
-  sources.live = std::shared_ptr<SharedChanges>(&shared, [](SharedChanges*) {});
-  sources.live_span = [&items] { return span_of(items); };
-  std::atomic<bool> over{false};
-  sources.over = [&over] { return over.load(); };
-  sources.open_playback = [file = request.record] { return std::make_unique<RecordedPlayback>(file); };
-  sources.token = token_of(options.token_file);
-  if (!sources.token.empty()) sources.command = [&orders](PageCommand command) { return orders.take(command); };
-  sources.version = ISOBATH_VERSION;
-  check_page_sources(sources);
+  const std::optional<Scenario> group = vehicle_group_of(request);
+  const std::string token = token_of(options.token_file);
+  std::vector<std::unique_ptr<VehiclePage>> pages;
+  std::vector<const PageSources*> sources;
+  std::vector<RunWatch> watches;
+  for (std::size_t v = 0; v < (group ? group->mission.group.size() : 1); ++v) {
+    VehiclePage& page = *pages.emplace_back(std::make_unique<VehiclePage>());
+    const auto record = group ? record_of_vehicle(request.record, group->mission.group[v].name) : request.record;
+    sources.push_back(&page.sources(record, token));
+    watches.push_back(page.watch(options.live ? 0 : speed));
+  }
 
   WebServer server(config, page_site(sources));  // first, so that an address in use fails before the run
-  std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
+  std::future<ServedRun> running = std::async(std::launch::async, [&] { return run_watched(request, group, watches); });
   announce(options, place_of(config, server.port()), server.port(), false);
   while (running.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) continue;
-  orders.close();
-  over = true;
-  RunOutcome outcome;
+  for (const auto& page : pages) page->close();
+  ServedRun served;
   try {
-    outcome = running.get();
+    served = running.get();
   } catch (...) {
     server.stop();
     throw;
   }
-  print_end(options, outcome);
-  // A run that the user stopped has not failed.
-  const int code = interrupted ? kSuccess : conclude(request, outcome);
+  int code = kSuccess;  // a run that the user stopped has not failed
+  if (served.group) {
+    print_group_end(options, *served.group);
+    if (!interrupted) code = conclude_group(*served.group);
+  } else {
+    print_end(options, served.alone);
+    if (!interrupted) code = conclude(request, served.alone);
+  }
   wait_for_interrupt();
   server.stop();
   return code;

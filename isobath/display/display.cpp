@@ -81,6 +81,11 @@ void Display::show(Time time, const DisplayScene& scene) {
   if (scene.plan) {
     if (!scene.plan->fence.empty()) json["fence"] = outline_json(scene.plan->fence);
     json["mission"] = mission_points(*scene.plan);
+    if (scene.plan->group.size() > 1) {
+      ordered_json names = ordered_json::array();
+      for (const GroupMember& member : scene.plan->group) names.push_back(member.name);
+      json["group"] = {{"vehicles", std::move(names)}, {"own", scene.plan->own}};
+    }
   }
   if (!scene.charted.empty()) {
     json["charted"] = ordered_json::array();

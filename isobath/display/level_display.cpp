@@ -19,8 +19,7 @@ std::string setpoint_text(const Setpoint& s) {
 
 struct CommandText {
   std::string operator()(const MissionOrder& m) const {
-    static constexpr const char* kNames[] = {"start", "hold", "resume", "abort"};
-    const std::string what = kNames[static_cast<std::size_t>(m.kind)];
+    const std::string what = to_text(m.kind);
     return m.plan && !m.plan->title.empty() ? what + ": " + m.plan->title : what + ": " + m.why;
   }
   std::string operator()(const VisitOrder& m) const { return m.why; }

@@ -84,8 +84,13 @@ void StageTimes::planned(Time scan, Clock::time_point from, Clock::time_point to
 
 MissionTimings StageTimes::timings() const {
   const std::lock_guard lock(mutex_);
-  return {heard_.time(),   mapped_.time(),  detected_.time(),
-          planned_.time(), decided_.time(), 1e-9 * static_cast<double>(agents_ns_.load())};
+  return {.event_to_agents = heard_.time(),
+          .ping_to_grid = mapped_.time(),
+          .detection = detected_.time(),
+          .planning = planned_.time(),
+          .scan_to_decision = decided_.time(),
+          .cycle = {},
+          .agents_s = 1e-9 * static_cast<double>(agents_ns_.load())};
 }
 
 AgentSlot timed(AgentSlot slot, std::shared_ptr<StageTimes> times, bool plans) {

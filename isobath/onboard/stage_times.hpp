@@ -25,6 +25,7 @@ struct MissionTimings {
   StageTime detection;         ///< from the end of a sweep until its obstacles are found
   StageTime planning;          ///< the Navigator's turn on a scan of obstacles
   StageTime scan_to_decision;  ///< from the arrival of the event that ended a sweep until the Navigator has decided
+  StageTime cycle;             ///< live: by how much cycles of the executors depart from their interval
   double agents_s = 0;         ///< processor time of the turns of all agents
 };
 

@@ -89,30 +89,44 @@ Content content_of(const ChartedHazards& m) {
   return content;
 }
 Content content_of(const GroupHazards& m) { return {{"hazards", m.hazards.size()}}; }
+Content content_of(const GroupObstacles& m) {
+  Content all = Content::array();
+  for (const ToldObstacle& o : m.obstacles) {
+    all.push_back({{"vehicle", o.teller},
+                   {"key", o.key},
+                   {"north_east", components_of<2>(o.centre_W)},
+                   {"radius", exact_enough(o.radius_m)},
+                   {"sigma", exact_enough(o.sigma_m)}});
+  }
+  return {{"obstacles", std::move(all)}};
+}
+Content content_of(const LevelPlan& m) {
+  return {{"of_level", to_text(m.level)}, {"horizon_s", exact_enough(m.horizon_s)}, {"changed", m.changed}};
+}
 Content content_of(const OperatorCommand& m) {
   static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat", "acknowledge"};
   return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
 }
 Content content_of(const MissionOrder& m) {
-  static constexpr const char* kNames[] = {"start", "hold", "resume", "abort"};
-  return {{"order", kNames[static_cast<std::size_t>(m.kind)]},
-          {"plan", plan_content(m.plan)},
-          {"end", to_text(m.end)},
-          {"why", m.why}};
+  return {{"order", to_text(m.kind)}, {"plan", plan_content(m.plan)}, {"end", to_text(m.end)}, {"why", m.why}};
 }
 Content content_of(const VisitOrder& m) {
   return {{"version", m.version}, {"points", m.points}, {"last", m.last}, {"why", m.why}};
 }
 Content content_of(const PointMoved& m) { return {{"point", m.point}, {"north_east", components_of<2>(m.north_east)}}; }
 Content content_of(const RouteRequest& m) {
-  return {{"id", m.id}, {"point", m.point}, {"target", point_content(m.target)}, {"last", m.last}};
+  Content content{{"id", m.id}, {"point", m.point}, {"target", point_content(m.target)}, {"last", m.last}};
+  if (m.then_W) content["then"] = components_of<2>(*m.then_W);
+  return content;
 }
 Content content_of(const RoutePlanned& m) {
-  return {{"request", m.request},
-          {"version", m.version},
-          {"waypoints", waypoints_content(m.waypoints)},
-          {"avoiding", m.avoiding},
-          {"why", m.why}};
+  Content content{{"request", m.request},
+                  {"version", m.version},
+                  {"waypoints", waypoints_content(m.waypoints)},
+                  {"avoiding", m.avoiding},
+                  {"why", m.why}};
+  if (m.then_W) content["then"] = components_of<2>(*m.then_W);
+  return content;
 }
 Content content_of(const RouteRefused& m) {
   Content content{{"reason", to_text(m.reason)}, {"request", m.request}, {"point", m.point}, {"why", m.why}};
@@ -127,10 +141,12 @@ Content content_of(const MissionReport& m) {
   return {{"phase", to_text(m.phase)}, {"reached", m.reached}, {"dropped", m.dropped}, {"why", m.why}};
 }
 Content content_of(const FollowOrder& m) {
-  return {{"version", m.version},
-          {"waypoints", waypoints_content(m.waypoints)},
-          {"altitude", exact_enough(m.altitude_m)},
-          {"surface", m.surface}};
+  Content content{{"version", m.version},
+                  {"waypoints", waypoints_content(m.waypoints)},
+                  {"altitude", exact_enough(m.altitude_m)},
+                  {"surface", m.surface}};
+  if (m.then_W) content["then"] = components_of<2>(*m.then_W);
+  return content;
 }
 Content content_of(const WaypointPassed& m) {
   return {{"version", m.version}, {"index", m.index}, {"reached", m.reached}, {"last", m.last}};

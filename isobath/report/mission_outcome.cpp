@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/report/mission_outcome.hpp>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 namespace isobath {
 namespace {
@@ -66,6 +67,48 @@ std::optional<NavigationError> navigation_error(const MissionOutcome& outcome) {
   return error;
 }
 
+std::vector<CornerOverrun> corner_overruns(const MissionOutcome& outcome) {
+  constexpr double kCorner_rad = std::numbers::pi / 6, kAt_m = 5;
+  const std::vector<MissionPoint>& points = outcome.plan.points;
+  const std::vector<BelievedPlace>& track = outcome.believed;
+  std::vector<CornerOverrun> corners;
+  if (track.empty() || outcome.plan.search.on()) return corners;
+  Eigen::Vector2d from = track.front().north_east;
+  auto at = track.begin();
+  const auto first_near = [&](std::size_t point) {
+    return std::find_if(at, track.end(), [&](const BelievedPlace& place) {
+      return (place.north_east - points[point].north_east).norm() <= kAt_m;
+    });
+  };
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    const Eigen::Vector2d corner = points[k].north_east, in = corner - from, leg = points[k + 1].north_east - corner;
+    at = first_near(k);
+    if (at == track.end()) break;
+    from = corner;
+    if (leg.norm() <= 2 * kAt_m || in.norm() <= 0) continue;
+    const double turn = std::atan2(in.x() * leg.y() - in.y() * leg.x(), in.dot(leg));
+    if (std::abs(turn) < kCorner_rad) continue;
+    // To the left of the leg when it turns to the right.
+    const Eigen::Vector2d outer = Eigen::Vector2d(leg.y(), -leg.x()) * ((turn > 0 ? 1 : -1) / leg.norm());
+    CornerOverrun overrun{k, 0, std::nullopt};
+    const auto next = first_near(k + 1);
+    for (auto place = at; place != next; ++place) {
+      overrun.overrun_m = std::max(overrun.overrun_m, outer.dot(place->north_east - corner));
+      const auto truth = outcome.truth ? true_pose_at(outcome.truth->track, place->time) : std::nullopt;
+      if (!truth) continue;
+      overrun.true_m = std::max(overrun.true_m.value_or(0), outer.dot(truth->translation.head<2>() - corner));
+    }
+    corners.push_back(overrun);
+  }
+  return corners;
+}
+
+bool LevelOutcome::in_time() const {
+  constexpr double kTick_s = 0.1;
+  const double longest_s = level == CommandLevel::kServo ? longest_interval_s : longest_replan_s;
+  return longest_s < timing.replan_s + kTick_s;
+}
+
 ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
   const MissionReport& report = outcome.report;
   ordered_json json{
@@ -85,6 +128,11 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
       json["truth"]["navigation_error_last_m"] = number_json(error->last_m);
       json["truth"]["navigation_error_largest_m"] = number_json(error->largest_m);
     }
+  }
+  json["corners"] = ordered_json::array();
+  for (const CornerOverrun& corner : corner_overruns(outcome)) {
+    json["corners"].push_back({{"point", corner.point + 1}, {"overrun_m", number_json(corner.overrun_m)}});
+    if (corner.true_m) json["corners"].back()["true_overrun_m"] = number_json(*corner.true_m);
   }
   const ExecutorCounts& executor = outcome.executor;
   json["crew"] = {{"ticks", executor.ticks},
@@ -106,7 +154,14 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
                               {"mean_interval_s", number_json(level.mean_interval_s)},
                               {"least_interval_s", number_json(level.least_interval_s)},
                               {"longest_interval_s", number_json(level.longest_interval_s)},
-                              {"longest_stale_s", number_json(level.longest_stale_s)}});
+                              {"longest_stale_s", number_json(level.longest_stale_s)},
+                              {"plans", level.plans},
+                              {"changed_plans", level.changed_plans},
+                              {"longest_replan_s", number_json(level.longest_replan_s)},
+                              {"mean_horizon_s", number_json(level.mean_horizon_s)},
+                              {"wanted_replan_s", number_json(level.timing.replan_s)},
+                              {"wanted_horizon_s", number_json(level.timing.horizon_s)},
+                              {"in_time", level.in_time()}});
   }
   for (const OperatorAnswer& answer : outcome.answers) {
     json["operator"].push_back(
@@ -118,7 +173,8 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
                        {"ping_to_grid", stage_json(outcome.timings.ping_to_grid)},
                        {"detection", stage_json(outcome.timings.detection)},
                        {"planning", stage_json(outcome.timings.planning)},
-                       {"scan_to_decision", stage_json(outcome.timings.scan_to_decision)}};
+                       {"scan_to_decision", stage_json(outcome.timings.scan_to_decision)},
+                       {"cycle_departure", stage_json(outcome.timings.cycle)}};
   }
   return json;
 }

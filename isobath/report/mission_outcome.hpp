@@ -6,6 +6,7 @@
 
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/messages.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
 #include <isobath/onboard/stage_times.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/scenario/simulated_operator.hpp>
@@ -37,6 +38,14 @@ struct LevelOutcome {
   double mean_interval_s = 0, least_interval_s = 0, longest_interval_s = 0;
   std::uint64_t without_parent = 0;  ///< commands that serve no command of the level above
   double longest_stale_s = 0;        ///< for which its commands served one that a level above had superseded
+  LevelTiming timing;                ///< what the timing table wants
+  std::uint64_t plans = 0, changed_plans = 0;
+  double longest_replan_s = 0;  ///< between two plans
+  double mean_horizon_s = 0;    ///< of plans that had something to plan
+
+  /// Whether it planned as often as the timing table wants; the servo level, which plans nothing, whether it gave its
+  /// commands as often.
+  [[nodiscard]] bool in_time() const;
 };
 
 struct MissionOutcome {
@@ -71,6 +80,16 @@ struct NavigationError {
 };
 /// Empty if the true track is unknown.
 std::optional<NavigationError> navigation_error(const MissionOutcome& outcome);
+
+/// How far the vehicle ran beyond a corner of its mission (Herman 1988, 6; ledger S2-46, S2-D02).
+struct CornerOverrun {
+  std::size_t point = 0;         ///< index in the plan, of a point at which the mission turns by 30 degrees or more
+  double overrun_m = 0;          ///< largest distance from the leg that leaves it, on the outer side, as estimated
+  std::optional<double> true_m;  ///< the same of the true track
+};
+/// One for each such corner that was reached, in order; empty for missions that are not sailed in the order of the
+/// file.
+std::vector<CornerOverrun> corner_overruns(const MissionOutcome& outcome);
 
 /// The outcome without its decisions. `with_timings`: with times of a real clock, which differ from run to run.
 nlohmann::ordered_json mission_json(const MissionOutcome& outcome, bool with_timings);

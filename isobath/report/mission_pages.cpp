@@ -323,8 +323,22 @@ void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels) {
   page.table({"level", "commands", "without a parent", "mean interval (s)", "shortest", "longest", "stale (s)"}, rows);
   page.paragraph(
       "Each command serves one of the level above; without a parent are reflexes of the Safety Officer and stops. "
-      "Stale: "
-      "the longest time for which a command served one that a level above had already replaced.");
+      "Stale: the longest time for which a command served one that a level above had already replaced.");
+  std::vector<HtmlReport::Row> plans;
+  for (const LevelOutcome& level : levels) {
+    const bool servo = level.level == CommandLevel::kServo;  // it plans nothing
+    plans.push_back({to_text(level.level), servo ? "" : fmt::format("{}", level.plans),
+                     servo ? "" : fmt::format("{}", level.changed_plans), fmt::format("{:g}", level.timing.replan_s),
+                     fmt::format("{:.2f}", servo ? level.longest_interval_s : level.longest_replan_s),
+                     level.in_time() ? "yes" : "no", fmt::format("{:g}", level.timing.horizon_s),
+                     servo ? "" : fmt::format("{:.0f}", level.mean_horizon_s)});
+  }
+  page.table({"level", "plans", "changed", "wanted every (s)", "longest interval (s)", "in time", "wanted to reach (s)",
+              "reached, mean (s)"},
+             plans);
+  page.paragraph(
+      "Wanted: by the timing table of the configuration. The servo level plans nothing; its interval is that of its "
+      "commands.");
 }
 
 std::string number_or_dash(const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : "-"; }

@@ -17,7 +17,6 @@ void check_group(const RunRequest& request) {
                 "a run without it");
   };
   if (request.live_speed) refuse("a live run");
-  if (request.watch) refuse("a page");
   if (!request.map.empty()) refuse("a stored map");
   if (!request.mission.empty()) refuse("another mission");
 }
@@ -28,10 +27,7 @@ RunRequest request_of_vehicle(const RunRequest& request, const MissionPlan& plan
   own.vehicle = vehicle;
   own.out = request.out / plan.group[vehicle].name;
   own.threads = 1;
-  if (!request.record.empty()) {
-    own.record.replace_filename(request.record.stem().string() + "-" + plan.group[vehicle].name +
-                                request.record.extension().string());
-  }
+  if (!request.record.empty()) own.record = record_of_vehicle(request.record, plan.group[vehicle].name);
   int& seed = own.configuration.simulation.seed;
   if (seed >= 0) seed = seed_of_vehicle(seed, vehicle);
   if (vehicle > 0) own.progress = {};
@@ -55,12 +51,20 @@ struct LoopedVehicle {
 
 }  // namespace
 
-GroupOutcome run_group(const RunRequest& request, const Scenario& scenario) {
+std::filesystem::path record_of_vehicle(const std::filesystem::path& record, const std::string& vehicle) {
+  std::filesystem::path own = record;
+  return own.replace_filename(record.stem().string() + "-" + vehicle + record.extension().string());
+}
+
+GroupOutcome run_group(const RunRequest& request, const Scenario& scenario, std::span<const RunWatch> watches) {
   check_group(request);
+  ISOBATH_ASSERT(watches.empty() || watches.size() == scenario.mission.group.size());
   std::vector<std::unique_ptr<VehicleRun>> runs;
   std::vector<SteppedRun*> stepped;
   for (std::size_t v = 0; v < scenario.mission.group.size(); ++v) {
-    runs.push_back(std::make_unique<VehicleRun>(request_of_vehicle(request, scenario.mission, v)));
+    RunRequest own = request_of_vehicle(request, scenario.mission, v);
+    if (!watches.empty()) own.watch = watches[v];
+    runs.push_back(std::make_unique<VehicleRun>(own));
     stepped.push_back(runs.back().get());
   }
   GroupOutcome outcome;

@@ -7,12 +7,16 @@
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/run_request.hpp>
 #include <isobath/scenario/scenario.hpp>
+#include <span>
 
 namespace isobath {
 
-/// Throws Error as run does, and for a live run, a page, a map or another mission. The recordings of the
-/// vehicles have their names after that of the request: run-alpha.mcap for run.mcap
-GroupOutcome run_group(const RunRequest& request, const Scenario& scenario);
+/// The recording of a vehicle, with its name after that of the group's: run-alpha.mcap for run.mcap.
+std::filesystem::path record_of_vehicle(const std::filesystem::path& record, const std::string& vehicle);
+
+/// Throws Error as run does, and for a live run, a map or another mission. `watches`: one for each vehicle, or none,
+/// instead of that of the request.
+GroupOutcome run_group(const RunRequest& request, const Scenario& scenario, std::span<const RunWatch> watches = {});
 
 struct GroupLoop {
   GroupRecord record;

@@ -4,12 +4,33 @@
 
 namespace isobath {
 
+LevelNotes::LevelNotes(const TimingTable& timing) {
+  for (std::size_t i = 0; i < kCommandLevels; ++i) {
+    levels_[i].level = static_cast<CommandLevel>(i);
+    levels_[i].timing = timing.levels[i];
+  }
+}
+
 void LevelNotes::on_message(const Envelope& envelope) {
+  if (const auto* plan = std::get_if<LevelPlan>(&envelope.message)) note_plan(envelope.time, *plan);
   if (!envelope.link) return;
   const std::lock_guard lock(mutex_);
   note(envelope.time, envelope.number, *envelope.link);
   commands_.push_back({envelope.number, *envelope.link});
   if (commands_.size() > kKept) commands_.pop_front();
+}
+
+void LevelNotes::note_plan(Time time, const LevelPlan& plan) {
+  const std::lock_guard lock(mutex_);
+  const auto at = static_cast<std::size_t>(plan.level);
+  LevelOutcome& level = levels_[at];
+  if (planned_[at]) level.longest_replan_s = std::max(level.longest_replan_s, to_seconds(time - *planned_[at]));
+  planned_[at] = time;
+  ++level.plans;
+  if (plan.changed) ++level.changed_plans;
+  if (plan.horizon_s <= 0) return;
+  ++with_horizon_[at];
+  level.mean_horizon_s += (plan.horizon_s - level.mean_horizon_s) / static_cast<double>(with_horizon_[at]);
 }
 
 void LevelNotes::on_servo(Time time, std::uint64_t parent) {
@@ -26,7 +47,6 @@ void LevelNotes::note(Time time, std::uint64_t number, const CommandLink& link) 
   const auto at = static_cast<std::size_t>(link.level);
   LevelOutcome& level = levels_[at];
   Newest& newest = newest_[at];
-  level.level = link.level;
   if (level.commands > 0) {
     const double interval_s = to_seconds(time - newest.time);
     level.least_interval_s = level.commands > 1 ? std::min(level.least_interval_s, interval_s) : interval_s;

@@ -255,6 +255,10 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
   if (outcome.depth) pictures.depth = write_depth_files(onboard.depths(), source, folder_, outcome.files);
   if (outcome.mission)
     pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m, source);
+  const auto depths = onboard.depths().snapshot();
+  if (outcome.mission && outcome.depth && depths) {
+    pictures.profile = draw_track_profile(outcome.mission->believed, *depths);
+  }
   return pictures;
 }
 
@@ -295,6 +299,10 @@ void RunFolder::write(const RunRequest& request, const Onboard& onboard, RunOutc
     write_text("decisions.json", decisions_text(outcome.mission->decisions), outcome);
     if (!pictures.mission.chart.empty()) write_text("mission.png", pictures.mission.chart, outcome);
     if (!pictures.mission.clearance.empty()) write_text("clearance.png", pictures.mission.clearance, outcome);
+  }
+  if (!pictures.profile.depths.empty()) {
+    write_text("place-along-track.png", pictures.profile.place, outcome);
+    write_text("depths-along-track.png", pictures.profile.depths, outcome);
   }
   if (outcome.truth) write_text("truth.json", truth_text(*outcome.truth), outcome);
   write_text("configuration.toml", to_toml(configuration_, true), outcome);
@@ -383,7 +391,10 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
       case ReportSection::kFan: add_placement(page, *outcome.sharpness, outcome.drift, pictures.placement); break;
       case ReportSection::kVoxels: add_voxels(page, *outcome.voxels, pictures.voxels); break;
       case ReportSection::kSphere: add_sphere(page, *outcome.sphere, pictures); break;
-      case ReportSection::kDepth: add_depth(page, *outcome.depth, pictures.depth); break;
+      case ReportSection::kDepth:
+        add_depth(page, *outcome.depth, pictures.depth);
+        add_track_profile(page, pictures.profile);
+        break;
       case ReportSection::kReplay: add_replay(page); break;
     }
   }

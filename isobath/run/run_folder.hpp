@@ -21,6 +21,7 @@
 #include <isobath/report/result_text.hpp>
 #include <isobath/report/run_outcome.hpp>
 #include <isobath/report/scan_pictures.hpp>
+#include <isobath/report/track_profile.hpp>
 #include <isobath/report/voxel_pages.hpp>
 #include <isobath/run/run_request.hpp>
 #include <optional>
@@ -58,6 +59,7 @@ class RunFolder : public OnboardObserver {
     std::string sphere_above, sphere_solid;
     PlacementPictures placement;
     MissionPictures mission;
+    TrackProfile profile;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;

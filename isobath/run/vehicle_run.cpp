@@ -12,8 +12,6 @@
 namespace isobath {
 namespace {
 
-constexpr Duration kExecutorCycle = std::chrono::milliseconds(600);
-
 /// "propeller 11.2 N, rudder -3.4 deg".
 std::string actuator_text(const VehicleModel& vehicle, const ActuatorVector& commands) {
   std::string text;
@@ -111,6 +109,7 @@ VehicleRun::VehicleRun(const RunRequest& asked)
                 .corners = charted_corners(request_.map, priors_, request_.configuration, input_.origin()),
                 .live = request_.live_speed.has_value()}) {
   depths_.set_prior_files(priors_);
+  if (request_.live_speed.value_or(0) > 0) cycles_.emplace(*request_.live_speed);
   invite_observers();
   if (request_.watch) watched_.emplace(*request_.watch);
   if (request_.live_speed) {
@@ -123,6 +122,7 @@ std::optional<MissionSetup> VehicleRun::mission() {
   auto setup = mission_setup(request_.mission, scenario_ ? &*scenario_ : nullptr, request_.input, input_.simulator());
   check_live(request_, setup && input_.simulated());
   if (!setup) return setup;
+  timing_ = check_timing(request_.configuration.mission.timing);
   setup->chart = chart_of(request_.map, priors_, request_.configuration, input_.origin());
   if (SimulatedSource* simulated = input_.simulated()) simulated->add_operator(scenario_->orders, setup->plan);
   return setup;
@@ -157,6 +157,7 @@ void VehicleRun::invite_observers() {
   helm_->show_messages_to([this](const Envelope& envelope) {
     notes_.on_message(envelope);
     levels_.on_message(envelope);
+    if (cycles_ && std::holds_alternative<HelmOrder>(envelope.message)) cycles_->note();
     if (display_.on()) display_.on_message(envelope);
   });
 }
@@ -192,6 +193,9 @@ RunOutcome VehicleRun::outcome() {
   outcome.source.origin = input_.origin();
   const VoxelModel& voxels = onboard_.voxels();
   add_results(outcome, onboard_.pipeline(), depths_, voxels.map() != nullptr);
+  for (const std::string& departure : timing_) {
+    outcome.warning += (outcome.warning.empty() ? "timing: " : "; timing: ") + departure;
+  }
   for (const auto& [reason, count] : voxels.refused()) outcome.rejected["left out of the voxels: " + reason] += count;
   finish_display(outcome);
   if (judge_) {
@@ -335,6 +339,7 @@ MissionOutcome VehicleRun::mission_outcome() {
   mission.executor = helm_->executor_counts();
   mission.crew = helm_->crew();
   mission.levels = levels_.outcome();
+  if (cycles_) mission.timings.cycle = cycles_->departures();
   if (SimulatedSource* simulated = input_.simulated()) {
     mission.truth = track_->truth();
     mission.bodies = outlines_of(simulated->simulator().world());

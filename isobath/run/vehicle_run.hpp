@@ -5,6 +5,7 @@
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/report/run_outcome.hpp>
 #include <isobath/run/closed_loop.hpp>
+#include <isobath/run/cycle_watch.hpp>
 #include <isobath/run/level_notes.hpp>
 #include <isobath/run/mission_notes.hpp>
 #include <isobath/run/moving_fan.hpp>
@@ -66,6 +67,7 @@ class VehicleRun final : public SteppedRun {
   const std::optional<MapVisit> held_;  ///< the visit that brought this log into the map before
   DepthModel depths_;
   RunInput input_;
+  std::vector<std::string> timing_;  ///< departures of the timing table from its rules
   const std::optional<MissionSetup> setup_;
 
   // Observers.
@@ -75,7 +77,7 @@ class VehicleRun final : public SteppedRun {
   std::optional<MapDelayScorer> map_judge_;
   std::optional<GroundTruthTrajectory> track_;
   MissionNotes notes_;
-  LevelNotes levels_;
+  LevelNotes levels_{request_.configuration.mission.timing};
   std::optional<Time> servo_due_;  ///< of the next note of the actuators
   RunDisplay display_;
 
@@ -84,6 +86,7 @@ class VehicleRun final : public SteppedRun {
   Onboard onboard_;
 
   std::optional<LivePace> live_;
+  std::optional<CycleWatch> cycles_;  ///< live at a stated speed
   std::optional<WatchedPace> watched_;
   std::string live_datum_;             ///< live: the depth datum; depths_ itself belongs to the mapping thread
   std::optional<DisplayScene> scene_;  ///< as last shown

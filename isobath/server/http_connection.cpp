@@ -63,7 +63,9 @@ void HttpConnection::answer(http::request<http::empty_body> request) {
   if (!is_own_host(host_, hub_.hosts)) return refuse(http::status::misdirected_request, "host");
   const auto path = path_of_target(view(request.target()));
   if (!path) return refuse(http::status::bad_request, "path");
-  if (*path == "/socket") return upgrade(std::move(request));
+  if (const auto socket = hub_.site.sockets.find(*path); socket != hub_.site.sockets.end()) {
+    return upgrade(std::move(request), socket->second);
+  }
   if (*path == "/health" || *path == "/metrics") return report(*path == "/health");
 
   const auto file = hub_.site.files.find(*path);
@@ -91,7 +93,7 @@ void HttpConnection::report(bool health) {
   send(response_of(http::status::ok, type, "no-store"), text_);
 }
 
-void HttpConnection::upgrade(http::request<http::empty_body> request) {
+void HttpConnection::upgrade(http::request<http::empty_body> request, const WebSite::OpenSession& open) {
   if (head_ || !websocket::is_upgrade(request) || buffer_.size() > 0) {
     return refuse(http::status::upgrade_required, "no_upgrade");
   }
@@ -103,7 +105,7 @@ void HttpConnection::upgrade(http::request<http::empty_body> request) {
     return refuse(http::status::service_unavailable, "clients");
   }
   stream_.expires_never();
-  std::make_shared<SocketClient>(hub_, std::move(stream_), std::move(place_))->accept(std::move(request));
+  std::make_shared<SocketClient>(hub_, std::move(stream_), std::move(place_), open)->accept(std::move(request));
 }
 
 HttpConnection::Response HttpConnection::response_of(http::status status, std::string_view type,

@@ -28,7 +28,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void on_read(error_code ec);
   void answer(http::request<http::empty_body> request);
   void report(bool health);
-  void upgrade(http::request<http::empty_body> request);
+  void upgrade(http::request<http::empty_body> request, const WebSite::OpenSession& open);
   Response response_of(http::status status, std::string_view type, std::string_view cache) const;
   void refuse(http::status status, std::string_view reason);
 

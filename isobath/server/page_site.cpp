@@ -30,11 +30,16 @@ double seconds_shown(const PageSources& sources) {
 
 }  // namespace
 
-WebSite page_site(const PageSources& sources) {
+WebSite page_site(std::span<const PageSources* const> vehicles) {
   const std::string page(live_page());
+  const WebFile file{"text/html; charset=utf-8", page, gzipped(page)};
   WebSite site;
-  site.files["/"] = {"text/html; charset=utf-8", page, gzipped(page)};
-  site.open_session = [&sources] { return std::make_unique<PageSession>(sources); };
+  for (std::size_t v = 0; v < vehicles.size(); ++v) {
+    const std::string path = v == 0 ? "/" : "/vehicle/" + std::to_string(v + 1) + "/";
+    site.files[path] = file;
+    site.sockets[path + "socket"] = [source = vehicles[v]] { return std::make_unique<PageSession>(*source); };
+  }
+  const PageSources& sources = *vehicles.front();
   site.health = [&sources] {
     return nlohmann::json{{"status", "ok"},
                           {"version", sources.version},

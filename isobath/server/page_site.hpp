@@ -1,12 +1,18 @@
-// The site of the live page: its file, its sessions, and its pages for machines (/health, /metrics).
+// The site of the live page: its file, its sessions, and its pages for machines (/health, /metrics). Where a group of
+// vehicles runs, each vehicle has a page of its own: that of the first at /, that of the second at /vehicle/2/.
 #pragma once
 
 #include <isobath/server/page_session.hpp>
 #include <isobath/server/web_site.hpp>
+#include <span>
 
 namespace isobath {
 
-/// The sources must outlive the server and have been checked.
-WebSite page_site(const PageSources& sources);
+/// One source for each vehicle, at least one. They must outlive the server and have been checked.
+WebSite page_site(std::span<const PageSources* const> vehicles);
+inline WebSite page_site(const PageSources& sources) {
+  const PageSources* const only = &sources;
+  return page_site(std::span(&only, 1));
+}
 
 }  // namespace isobath

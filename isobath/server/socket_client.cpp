@@ -9,13 +9,14 @@ constexpr int kFloodSeconds = 2;   ///< consecutive seconds at the limit of byte
 
 }  // namespace
 
-SocketClient::SocketClient(Hub& hub, Stream stream, Seating place)
+SocketClient::SocketClient(Hub& hub, Stream stream, Seating place, const WebSite::OpenSession& open)
     : hub_(hub),
       place_(std::move(place)),
       socket_(std::move(stream)),
       pause_(hub.context),
       messages_(hub.config.messages_hz),
-      controls_(hub.config.messages_hz) {
+      controls_(hub.config.messages_hz),
+      open_session_(open) {
   hub_.clients.insert(this);
 }
 
@@ -68,7 +69,7 @@ void SocketClient::drop() {
 Stream& SocketClient::lowest() { return beast::get_lowest_layer(socket_); }
 
 void SocketClient::open() {
-  if (call([&] { session_ = hub_.site.open_session(); })) {
+  if (call([&] { session_ = open_session_(); })) {
     hub_.count([](WebCounts& c) { ++c.clients, ++c.clients_ever; });
     ask();
   }

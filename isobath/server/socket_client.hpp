@@ -29,7 +29,8 @@ class Allowance {
 
 class SocketClient : public std::enable_shared_from_this<SocketClient> {
  public:
-  SocketClient(Hub& hub, Stream stream, Seating place);
+  /// `open` is of the hub's site.
+  SocketClient(Hub& hub, Stream stream, Seating place, const WebSite::OpenSession& open);
   SocketClient(const SocketClient&) = delete;
   SocketClient& operator=(const SocketClient&) = delete;
   ~SocketClient();
@@ -65,6 +66,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
   net::steady_timer pause_;
   Allowance messages_, controls_;
   http::request<http::empty_body> request_;
+  const WebSite::OpenSession& open_session_;
   std::unique_ptr<WebSession> session_;
   beast::flat_buffer heard_;
   int fragments_ = 0;

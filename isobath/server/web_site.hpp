@@ -18,9 +18,10 @@ struct WebFile {
 /// The server's thread calls all functions. They must not block, and what they refer to must outlive the server.
 struct WebSite {
   std::map<std::string, WebFile, std::less<>> files;  ///< by path: "/"
-  std::function<std::unique_ptr<WebSession>()> open_session;
-  std::function<std::string()> health = {};   ///< a JSON object
-  std::function<std::string()> metrics = {};  ///< lines to append to the server's own
+  using OpenSession = std::function<std::unique_ptr<WebSession>()>;
+  std::map<std::string, OpenSession, std::less<>> sockets;  ///< by path: "/socket"
+  std::function<std::string()> health = {};                 ///< a JSON object
+  std::function<std::string()> metrics = {};                ///< lines to append to the server's own
 };
 
 }  // namespace isobath

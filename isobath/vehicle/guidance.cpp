@@ -40,6 +40,8 @@ std::vector<Field> fields(GuidanceConfig& c) {
                   "Time constant of the drift filter; 0: the velocity over ground is not used."),
       Field::real("corner_tolerance", &c.corner_tolerance, {0.05, 1000}, "m",
                   "The vehicle slows down for a corner that it would overrun by more than this."),
+      Field::flag("slow_at_corners", &c.slow_at_corners,
+                  "Whether it slows down for corners, and brakes for the last way-point, at all."),
   };
 }
 
@@ -79,6 +81,7 @@ LineOfSight::LineOfSight(const GuidanceConfig& config, std::vector<Waypoint> way
 void LineOfSight::follow(std::vector<Waypoint> waypoints, const std::optional<Vector2d>& from) {
   if (waypoints.empty()) throw Error("no way-points", {}, "at least one");
   waypoints_ = std::move(waypoints);
+  then_.reset();
   next_ = reached_ = 0;
   started_ = from.has_value();
   if (from) from_ = *from;
@@ -144,8 +147,8 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
 
   double speed = goal.speed;
   if (parameters_) {
-    speed = speed_ahead();
-    if (off > kTurning) {  // a vehicle inside of the turn may use up that distance
+    if (config_.slow_at_corners) speed = speed_ahead();
+    if (off > kTurning && config_.slow_at_corners) {  // a vehicle inside of the turn may use up that distance
       const double inside = (wanted - heading).wrapped().radians() > 0 ? cross_track_ : -cross_track_;
       const double limit = corner_speed(off, std::max(inside, 0.0));
       turn_limit_ = turn_limit_ > 0 ? std::min(turn_limit_, limit) : limit;
@@ -176,11 +179,12 @@ double LineOfSight::speed_ahead() const {
   Angle before = bearing_;
   for (std::size_t i = next_; i < waypoints_.size(); ++i) {
     if (2 * braking * (distance - acceptance_radius(waypoints_[i])) > speed * speed) break;
-    if (i + 1 == waypoints_.size()) {
+    const bool is_last = i + 1 == waypoints_.size();
+    if (is_last && !then_) {
       if (parameters_->min_speed <= 0) speed = std::min(speed, std::sqrt(2 * braking * distance));
       break;
     }
-    const Vector2d leg = position_of(waypoints_[i + 1]) - position_of(waypoints_[i]);
+    const Vector2d leg = (is_last ? *then_ : position_of(waypoints_[i + 1])) - position_of(waypoints_[i]);
     const Angle after = leg.norm() > 1e-9 ? bearing_of(leg) : before;
     const double early = config_.acceptance_radius;
     const Angle turn = abs((after - before).wrapped());

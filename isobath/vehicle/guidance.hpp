@@ -15,8 +15,9 @@
 //
 // Speed plan, if a VehicleParameters is given: the vehicle brakes in time (at half its maximum deceleration) for a
 // corner that it would overrun by more than the corner tolerance, slows while it still has far to turn, and, if it can
-// hover, brakes for the last way-point. Never below min_speed. A turn by theta that begins R before the corner ends r
-// (1 - cos theta) - R sin theta beside the next leg, r = speed / max_yaw_rate, at least the turning radius.
+// hover, brakes for the last way-point, unless it is to go on from there. Never below min_speed. A turn by theta that
+// begins R before the corner ends r (1 - cos theta) - R sin theta beside the next leg, r = speed / max_yaw_rate, at
+// least the turning radius.
 //
 // All functions take the vehicle's own estimate: pose, and velocity over ground if there is one. A pose that is not
 // finite leaves the last set-point in force. Units SI. One thread at a time; step allocates nothing.
@@ -45,6 +46,7 @@ struct GuidanceConfig {
   double integral_gain = 0.5;    ///< sigma as a share of the speed; 0: none
   double drift_time = 4;         ///< s, of the filter on the drift across the hull; 0: the velocity is not used
   double corner_tolerance = 2;   ///< m
+  bool slow_at_corners = true;   ///< false: at full speed into every corner, as Herman 1988 reports of the lake (S2-46)
 };
 
 std::vector<Field> fields(GuidanceConfig& config);
@@ -74,6 +76,10 @@ class LineOfSight {
   /// leg; without it, the vehicle's position at the next step. The learnt drift stays. Throws Error without way-points.
   void follow(std::vector<Waypoint> waypoints, const std::optional<Eigen::Vector2d>& from = {});
 
+  /// Where the vehicle will go on after the last way-point, until the next `follow`: the last way-point is then a
+  /// corner like the others. Empty: it is the end.
+  void go_on_to(const std::optional<Eigen::Vector2d>& then) { then_ = then; }
+
   /// After the last way-point: its depth, the last bearing, speed 0, or min_speed where the sheet has one.
   Setpoint step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt);
   Setpoint step(const VehicleState& state, double dt) { return step(state.X_WB, state.X_WB.rotation * state.v_B, dt); }
@@ -98,6 +104,7 @@ class LineOfSight {
   GuidanceConfig config_;
   std::vector<Waypoint> waypoints_;
   std::optional<VehicleParameters> parameters_;
+  std::optional<Eigen::Vector2d> then_;  ///< as in go_on_to
   std::size_t next_ = 0;
   std::size_t reached_ = 0;
   bool started_ = false;

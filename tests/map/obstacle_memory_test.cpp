@@ -17,6 +17,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kRange = 30;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Pose at(const Vector2d& p, double heading_deg = 0) {
   return {Rotation::from_heading(Angle::degrees(heading_deg)), {p.x(), p.y(), 0}};
@@ -477,6 +478,49 @@ TEST(ObstacleMemory, KeepsTheNumberOfTheObstacleThatItsPieceWasLastSeenAs) {
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].number, 5);
   EXPECT_EQ(all[1].number, 9) << "it was not seen since";
+}
+
+// What another vehicle tells counts at once, with the errors of both positions, until free water is seen there.
+// ledger: S2-50 S2-51
+TEST(ObstacleMemory, CountsWhatIsToldUntilItIsSeenNotToBeThere) {
+  ObstacleMemory memory;
+  Look look;
+  fill(look, {}, at({0, 0}), 0, 1.0);
+  ASSERT_TRUE(memory.add(look.sweep));
+  EXPECT_TRUE(memory.tell({2, 9, {50, 0}, 1.5, 1.0}, t(1)));
+  EXPECT_FALSE(memory.tell({2, 9, {51, 0}, 1.5, 1.0}, t(2))) << "the same one, elsewhere now";
+  EXPECT_FALSE(memory.tell({3, 4, {50, 1}, 1.5, 1.0}, t(2))) << "another vehicle tells of the same";
+  ASSERT_EQ(memory.known({0, 0}, 200).size(), 1u);
+  EXPECT_TRUE(memory.known({0, 0}, 200)[0].told);
+  EXPECT_NEAR(memory.known({0, 0}, 200)[0].margin_m, 2 * std::sqrt(1 + 1 + 0.25), 1e-9);
+  EXPECT_TRUE(contains(memory.known({0, 0}, 200)[0].outline_W, Vector2d(51, 1.4)));
+  fill(look, {}, at({0, 0}), 3, 1.0);
+  memory.add(look.sweep);
+  EXPECT_EQ(memory.known({0, 0}, 200).size(), 1u) << "it is out of view";
+  for (int i = 0; i < 20; ++i) {
+    fill(look, {}, at({40, 0}), 10 + i, 1.0);
+    memory.add(look.sweep);
+  }
+  EXPECT_TRUE(memory.known({0, 0}, 200).empty());
+  EXPECT_FALSE(memory.tell({2, 9, {kNaN, 0}, 1, 1}, t(60)));
+  EXPECT_FALSE(memory.tell({2, 9, {0, 0}, 0, 1}, t(60)));
+  EXPECT_EQ(memory.refused(), 2u);
+}
+
+// ledger: S2-50
+TEST(ObstacleMemory, TakesWhatItSeesForWhatItWasTold) {
+  ObstacleMemory memory;
+  Look look;
+  fill(look, {outline_of({{20, 0}})}, at({0, 0}), 0, 0.5);
+  memory.add(look.sweep);
+  EXPECT_FALSE(memory.tell({1, 1, {20, 1}, 1.5, 0.5}, t(0.5))) << "it has seen that one itself";
+  EXPECT_TRUE(memory.tell({1, 2, {60, 0}, 1.5, 0.5}, t(0.5)));
+  fill(look, {outline_of({{22, 1.5}})}, at({39, 0}), 1, 0.5);  // 1.8 m from where it was told
+  memory.add(look.sweep);
+  const auto known = memory.known({60, 0}, 10);
+  ASSERT_EQ(known.size(), 1u);
+  EXPECT_FALSE(known[0].told);
+  EXPECT_TRUE(contains(known[0].outline_W, Vector2d(61, 1.5)));
 }
 
 TEST(ObstacleMemory, IsBoundedAndNeverGivesAnIdTwice) {

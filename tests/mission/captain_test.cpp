@@ -187,5 +187,45 @@ TEST_F(CaptainTest, SaysThatNoDriverIsThere) {
   EXPECT_EQ(only<Decision>(script.said).back().reason, "no driver bids for survey; the mission goes on");
 }
 
+// A mission of 800 s at 1 m/s may last 500 s and is to end at its start: the vehicle turns back while the way there
+// takes what is left, with a tenth and 10 s in reserve. ledger: S2-15 S2-17
+TEST_F(CaptainTest, TurnsBackWhileTheWayToTheStartTakesTheTimeThatIsLeft) {
+  plan.points = {point(400, 0), point(800, 0)};
+  plan.speed = 1;
+  plan.at_end = MissionEnd::kReturn;
+  plan.limits.max_duration_s = 500;
+  script.hear(fix(0, 0, 0), 0);
+  start();
+  for (double s = 1; s <= 232; ++s) {
+    script.hear(fix(s, s, 0), s);
+    EXPECT_TRUE(only<MissionOrder>(script.tick(s)).empty()) << s;
+  }
+  script.hear(fix(234, 234, 0), 234);
+  const auto orders = only<MissionOrder>(script.tick(234));
+  ASSERT_EQ(orders.size(), 1u);
+  EXPECT_EQ(orders[0].end, MissionEnd::kReturn);
+  EXPECT_EQ(orders[0].why, "266 s are left, and the way back takes 234 s; 2 points will not be visited");
+  EXPECT_TRUE(only<MissionOrder>(script.tick(235)).empty()) << "once";
+}
+
+// ledger: S2-25 S2-38
+TEST_F(CaptainTest, TellsEachHalfHourHowFarItsPlanReaches) {
+  plan.speed = 0.1;
+  script.hear(fix(0, 0, 0), 0);
+  start();
+  std::vector<double> at_s, horizon_s;
+  for (double s = 0.1; s < 3700; s += 0.1) {
+    for (const LevelPlan& p : only<LevelPlan>(script.tick(s))) {
+      EXPECT_EQ(p.level, CommandLevel::kMission);
+      at_s.push_back(s);
+      horizon_s.push_back(p.horizon_s);
+    }
+  }
+  ASSERT_EQ(at_s.size(), 3u);
+  EXPECT_NEAR(at_s[1] - at_s[0], 1800, 0.11);
+  EXPECT_NEAR(at_s[2] - at_s[1], 1800, 0.11);
+  EXPECT_EQ(horizon_s[0], 2000) << "two legs of 100 m";
+}
+
 }  // namespace
 }  // namespace isobath

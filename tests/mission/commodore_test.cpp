@@ -277,5 +277,84 @@ TEST_F(CommodoreTest, DoesNothingWithoutAGroup) {
   EXPECT_THAT(wait(100), IsEmpty());
 }
 
+// Each status tells of what the own sonar has confirmed near lanes that are left: each obstacle eight times, three a
+// packet, no wall and nothing that was told by others. ledger: S2-50 S2-51
+TEST_F(CommodoreTest, TellsTheOthersOfObstaclesNearTheirLanes) {
+  start(0);
+  KnownObstacles known;
+  for (int i = 0; i < 5; ++i) {
+    RememberedObstacle seen;
+    seen.id = static_cast<std::uint32_t>(300 + i);
+    seen.outline_W = square(40, 20.0 * i, 1);
+    known.obstacles.push_back(seen);
+  }
+  known.obstacles[1].told = true;
+  known.obstacles[2].outline_W = square(40, 40, 20);
+  known.obstacles[4].outline_W = square(300, 0, 1);
+  ObstacleScan scan;
+  scan.known = std::make_shared<const KnownObstacles>(known);
+  script->hear(scan, now);
+  std::map<int, int> tellings;
+  for (const LinkFrame& frame : only<LinkFrame>(wait(300))) {
+    for (const ObstacleWord& o : std::get<GroupStatus>(group_word_of(frame.bytes).value()).obstacles) {
+      ++tellings[o.key];
+      EXPECT_NEAR(o.radius_m, std::sqrt(2.0) + 0.36, 0.25);
+    }
+  }
+  EXPECT_THAT(tellings, ElementsAre(testing::Pair(300 - 256, 8), testing::Pair(303 - 256, 8)));
+}
+
+// ledger: S2-50 S2-51
+TEST_F(CommodoreTest, HandsOnWhatTheOthersTell) {
+  start(0);
+  GroupStatus told = status(1);
+  told.obstacles = {{7, {60, 45.5}, 2, 1}};
+  const auto handed = only<GroupObstacles>(hear(told));
+  ASSERT_EQ(handed.size(), 1u);
+  EXPECT_EQ(handed[0].obstacles.at(0), (ToldObstacle{1, 7, {60, 45.5}, 2, 1}));
+  EXPECT_TRUE(only<GroupObstacles>(hear(told)).empty()) << "a packet that is repeated";
+}
+
+// Two vehicles that were planned apart begin together; the one that does not lead hears the time from the leader.
+// ledger: S2-19
+TEST_F(CommodoreTest, BeginsTogetherWithTheOthers) {
+  plan.search.together_s = 120;
+  EXPECT_THAT(only<VisitOrder>(start(0)).at(0).points, ElementsAre(0)) << "first to its first station";
+  wait(30);
+  visit({0});
+  EXPECT_THAT(only<VisitOrder>(wait(10)), IsEmpty()) << "bravo is not there yet";
+  GroupStatus there = status(1);
+  there.ready = true;
+  hear(there);
+  const auto frames = only<LinkFrame>(wait(21));
+  const auto told = std::get<GroupStatus>(group_word_of(frames.back().bytes).value());
+  EXPECT_TRUE(told.ready);
+  ASSERT_TRUE(told.begin_s);
+  EXPECT_EQ(*told.begin_s, 66) << "two and a half turns of 10 s after it heard, and a whole second";
+  EXPECT_THAT(only<VisitOrder>(wait(5)), ElementsAre(testing::Field(&VisitOrder::points, testing::SizeIs(8))));
+  EXPECT_THAT(decided(script->said), testing::Contains("begin together"));
+
+  now = 0;
+  number = 0;
+  start(1);
+  visit({8});
+  GroupStatus leader = status(0);
+  leader.begin_s = 66;
+  hear(leader);
+  EXPECT_THAT(only<VisitOrder>(wait(65.8)), IsEmpty());
+  EXPECT_THAT(only<VisitOrder>(wait(0.3)), testing::SizeIs(1));
+}
+
+// ledger: S2-19
+TEST_F(CommodoreTest, WaitsForAMissingVehicleNoLongerThanTheMissionSays) {
+  plan.search.together_s = 40;
+  start(0);
+  visit({0});
+  EXPECT_THAT(only<VisitOrder>(wait(39.9)), IsEmpty());
+  const auto said = wait(0.2);
+  EXPECT_EQ(only<VisitOrder>(said).size(), 1u);
+  EXPECT_THAT(only<Decision>(said).at(0).reason, HasSubstr("after 40 s bravo did not say to be ready"));
+}
+
 }  // namespace
 }  // namespace isobath::commodore

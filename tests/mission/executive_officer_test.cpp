@@ -69,6 +69,40 @@ TEST_F(ExecutiveOfficerTest, AsksForEachPointHandsTheWayOnAndReportsItReached) {
   EXPECT_TRUE(only<FollowOrder>(script->said).back().waypoints.empty()) << "it holds at the end";
 }
 
+// The route to a point names the next one, so that the corner between them can be taken in time; but not where the
+// vehicle stops. ledger: S2-41 S2-46
+TEST_F(ExecutiveOfficerTest, NamesThePointToWhichItGoesOnWithoutAStop) {
+  plan.points[1].hold_s = 20;
+  start();
+  ASSERT_TRUE(asked().then_W);
+  EXPECT_EQ(*asked().then_W, plan.points[1].north_east);
+  const auto follow = only<FollowOrder>(
+      script->hear(RoutePlanned{asked().id, ++version, {{100, 0, 1, 1}}, false, "", Eigen::Vector2d(100, 40)}, now));
+  EXPECT_EQ(*follow.at(0).then_W, Eigen::Vector2d(100, 40)) << "the corner that the Navigator has found";
+  passed();
+  EXPECT_EQ(asked().point, 1u);
+  EXPECT_FALSE(asked().then_W) << "it stays there";
+}
+
+// Derived anew each minute, the plan of an unchanged mission repeats and skips nothing. ledger: S2-24 S2-25
+TEST_F(ExecutiveOfficerTest, PlansEachMinuteAndGoesOnAsBefore) {
+  plan.points[0].hold_s = 90;
+  start();
+  planned();
+  const std::size_t requests = only<RouteRequest>(script->said).size();
+  wait(150);
+  EXPECT_EQ(only<RouteRequest>(script->said).size(), requests);
+  EXPECT_EQ(only<LevelPlan>(script->said).size(), 3u);
+  passed();
+  wait(89);
+  EXPECT_EQ(asked().point, 0u) << "a new plan does not begin the stay anew";
+  wait(2);
+  EXPECT_EQ(asked().point, 1u);
+  const auto plans = only<LevelPlan>(script->said);
+  EXPECT_EQ(plans.back().level, CommandLevel::kVehicle);
+  EXPECT_GT(plans.back().horizon_s, 0);
+}
+
 // ledger: S6-35 S6-56
 TEST_F(ExecutiveOfficerTest, ReplacesTheRestOfTheWayByAChangedOneAndTellsTheCaptain) {
   start();

@@ -178,5 +178,26 @@ TEST_F(FlsDetectorTest, RemembersNothingWithoutAPosition) {
   EXPECT_TRUE(only<ObstacleScan>(sweep(6, pose(10, 0, 0), {})).at(0).hazards.empty());
 }
 
+// An obstacle that another vehicle tells of counts with the next sweep, with the errors of both positions, and is gone
+// as soon as sweeps see nothing there. ledger: S2-50 S2-51
+TEST_F(FlsDetectorTest, CountsWhatOtherVehiclesTellUntilItsOwnSonarKnowsBetter) {
+  sweep(1, pose(0, 0, 0), {});
+  const GroupObstacles told{{{1, 7, {60, 5}, 2, 1.5}}};
+  const auto said = only<Decision>(script.hear(told, 1.5));
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].what, "obstacle told");
+  EXPECT_TRUE(only<Decision>(script.hear(told, 1.6)).empty()) << "the same again is no news";
+  const auto scan = only<ObstacleScan>(sweep(2, pose(0, 0, 0), {})).at(0);
+  ASSERT_EQ(scan.hazards.size(), 1u);
+  EXPECT_EQ(scan.hazards[0].kind, HazardKind::kRemembered);
+  EXPECT_NEAR(signed_distance(scan.hazards[0].outline, {60, 5}), -2, 0.1);
+  EXPECT_NEAR(scan.hazards[0].margin_m, 2 * std::sqrt(1.5 * 1.5 + 0.1 * 0.1 + 0.5 * 0.5), 1e-6);
+  EXPECT_TRUE(scan.known->obstacles.at(0).told);
+  const auto seen = only<ObstacleScan>(sweep(3, pose(0, 0, 0), {square(61, 6, 1.5)})).at(0);
+  ASSERT_EQ(seen.known->obstacles.size(), 1u) << "it is the one that was told";
+  EXPECT_FALSE(seen.known->obstacles[0].told);
+  EXPECT_LT(seen.known->obstacles[0].margin_m, 1.5);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -12,7 +12,6 @@ GroupStatus some_status(Random& random) {
   s.number = static_cast<std::uint16_t>(random.index(65536));
   s.place_W = {0.5 * (static_cast<double>(random.index(60000)) - 30000),
                -0.5 * static_cast<double>(random.index(30000))};
-  s.sigma_m = 0.5 * static_cast<double>(random.index(256));
   s.lanes = static_cast<std::uint8_t>(random.index(kMaxLanes + 1));
   if (s.lanes > 0 && random.uniform() < 0.5) s.lane = static_cast<std::uint8_t>(random.index(s.lanes));
   s.stations = static_cast<std::uint8_t>(random.index(256));
@@ -20,7 +19,16 @@ GroupStatus some_status(Random& random) {
   if (random.uniform() < 0.5) s.leader = static_cast<std::uint8_t>(random.index(8));
   s.version = static_cast<std::uint16_t>(random.index(65536));
   s.over = random.uniform() < 0.5;
+  s.ready = random.uniform() < 0.5;
+  if (random.uniform() < 0.5) s.begin_s = static_cast<std::uint16_t>(random.index(65536));
   for (std::size_t k = 0; k < s.lanes; ++k) s.done |= LaneBits{random.uniform() < 0.5} << k;
+  s.obstacles.resize(random.index(kMostTold + 1));
+  for (ObstacleWord& o : s.obstacles) {
+    o.key = static_cast<std::uint8_t>(random.index(256));
+    o.centre_W = {0.5 * static_cast<double>(random.index(30000)), -0.5 * static_cast<double>(random.index(30000))};
+    o.radius_m = 0.25 * static_cast<double>(random.index(256));
+    o.sigma_m = 0.25 * static_cast<double>(random.index(256));
+  }
   return s;
 }
 
@@ -58,8 +66,10 @@ TEST(GroupWords, AreSmallEnoughForASlowModem) {
   status.lanes = 20;
   GroupPlan plan;
   plan.owner.resize(20, std::uint8_t{1});
-  EXPECT_LE(to_bytes(status).size(), 24u);
+  EXPECT_LE(to_bytes(status).size(), 26u);
   EXPECT_LE(to_bytes(plan).size(), 24u);
+  status.obstacles.resize(3);
+  EXPECT_LE(to_bytes(status).size(), 47u);
 }
 
 // A packet with any byte changed or cut off is none. ledger: S2-51

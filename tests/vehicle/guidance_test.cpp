@@ -267,6 +267,32 @@ TEST(SpeedPlan, StopsAVehicleThatHoversAtItsLastWaypointAndKeepsTheOtherMoving) 
   EXPECT_EQ(past.step(pose(29, 0), {}, kDt).speed, torpedo.min_speed);
 }
 
+// The last way-point as a corner: a vehicle that goes on from there neither stops nor overruns it.
+// ledger: S2-41 S2-46
+TEST(SpeedPlan, TakesTheLastWaypointAsACornerWhereItGoesOn) {
+  const VehicleModel model = test::rov();
+  const VehicleParameters parameters = parameters_of(model);
+  const auto slowest_before = [&](const std::optional<Vector2d>& then) {
+    LineOfSight guidance({8, 1}, {{60, 0, 5, 0.8}}, parameters);
+    guidance.go_on_to(then);
+    double slowest = 0.8;
+    for (double x = 0; x < 58.9; x += 0.1) slowest = std::min(slowest, guidance.step(pose(x, 0), {}, kDt).speed);
+    return slowest;
+  };
+  EXPECT_LT(slowest_before({}), 0.55) << "it brakes for the end";
+  EXPECT_EQ(slowest_before(Vector2d(120, 0)), 0.8) << "straight on";
+  const double corner = slowest_before(Vector2d(60, 60));
+  EXPECT_GT(corner, slowest_before({}));
+}
+
+// ledger: S2-46
+TEST(SpeedPlan, GoesAtFullSpeedIntoCornersWhereItIsSwitchedOff) {
+  GuidanceConfig config{8, 1};
+  config.slow_at_corners = false;
+  LineOfSight guidance(config, {{60, 0, 5, 0.8}, {60, 60, 5, 0.8}}, parameters_of(test::rov()));
+  for (double x = 0; x < 58.9; x += 0.1) EXPECT_EQ(guidance.step(pose(x, 0), {}, kDt).speed, 0.8);
+}
+
 // ledger: S7-15
 TEST(StationKeeper, HoldsAPlaceInACurrent) {
   for (const bool sway : {true, false}) {

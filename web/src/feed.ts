@@ -173,9 +173,9 @@ async function unpack(base64: string): Promise<Uint8Array> {
 export function feedOf(document: Document): Feed {
   const stored = document.getElementById('isobath-recording')?.textContent?.trim();
   if (stored) return new StoredFeed(stored);
-  const { protocol, host } = document.location;
+  const { protocol, host, pathname } = document.location;
   return new SocketFeed({
-    connect: () => new WebSocket(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/socket`),
+    connect: () => new WebSocket(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}${pathname.replace(/[^/]*$/, '')}socket`),
     now: () => performance.now(),
     later: (ms, then) => void setTimeout(then, ms),
   });

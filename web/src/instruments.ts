@@ -1,5 +1,6 @@
 /** Instruments: the main figures of the vehicle, and the banner of alarms and faults. */
 import { byId, make, mark, say } from './dom';
+import type { Scene } from './items';
 import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
@@ -12,6 +13,7 @@ export class Instruments implements View {
   private readonly banner = byId('alarms');
   private readonly cells = new Map<string, { value: HTMLElement; wish: HTMLElement; cell: HTMLElement }>();
   private bannerLook = '';
+  private group = '';
 
   constructor(private readonly shared: Shared) {
     for (const name of ['Heading', 'Speed', 'Depth', 'Altitude', 'Position', 'Route']) {
@@ -23,12 +25,28 @@ export class Instruments implements View {
     }
   }
 
+  /** Links to the pages of the vehicles that share the mission; the report of one vehicle has none. */
+  private vehicles(scene: Scene | null): void {
+    const names = scene && document.location.protocol.startsWith('http') ? scene.group : [];
+    const look = `${names.join('\n')} ${scene?.own ?? 0}`;
+    if (look === this.group) return;
+    this.group = look;
+    const box = byId('group');
+    box.hidden = names.length < 2;
+    box.replaceChildren(
+      ...names.map((name, i) =>
+        make('a', { href: i === 0 ? '/' : `/vehicle/${i + 1}/`, 'aria-current': i === scene?.own && 'page' }, name),
+      ),
+    );
+  }
+
   frame(): void {
     const { model } = this.shared;
     const { vehicle: v, way, scene } = model;
     say(byId('title'), scene?.title || 'Isobath');
     say(byId('source'), scene ? `${scene.source}${scene.simulated ? ' (simulated)' : ''}` : '');
     if (document.title !== (scene?.title || 'Isobath')) document.title = scene?.title || 'Isobath';
+    this.vehicles(scene);
     this.set('Heading', units.bearing(v?.heading), wish(v && units.bearing(v.wantedHeading), v?.wantedHeading));
     this.set(
       'Speed',

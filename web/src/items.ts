@@ -28,6 +28,9 @@ export interface Scene {
   /** Outlines of the charted obstacles. */
   charted: Point[][];
   vehicle: { name: string; length: number; safe: number | undefined };
+  /** The names of the vehicles that share the mission, and which of them this is; empty: it is alone. */
+  group: string[];
+  own: number;
   datum: string;
   /** Marks of the time line that a recording has before it is played. */
   marks: Mark[];
@@ -68,6 +71,8 @@ export function readScene(json: unknown): Scene | null {
       length: Math.min(500, Math.max(0.1, number(vehicle.length_m) ?? 1.5)),
       safe: number(vehicle.safe_m),
     },
+    group: isObject(json.group) ? list(json.group.vehicles).map(words) : [],
+    own: (isObject(json.group) ? number(json.group.own) : undefined) ?? 0,
     datum: words(json.depth_datum),
     marks: all(json.marks, (v) => {
       const at = isObject(v) ? number(v.at_s) : undefined;

@@ -40,6 +40,7 @@ void ObstacleMemory::measure_drift(const MemorySweep& sweep) {
 /// Moves what was seen since the drift began; `changed` is the change of variance that the jump brings.
 void ObstacleMemory::move_along(const Vector2d& by_W, const std::optional<double>& variance, double changed) {
   for (Entry& e : entries_) {
+    if (e.seen.told) continue;
     const double drifted = wander_ - e.wander + modelled_since(e);
     if (!(drifted < (variance ? e.variance + *variance : by_W.squaredNorm()))) continue;
     set_outline(e, moved_by(e.seen.outline_W, by_W));
@@ -54,7 +55,8 @@ double ObstacleMemory::modelled_since(const Entry& e) const {
 }
 
 double ObstacleMemory::variance_since(const Entry& e) const {
-  const double stated = std::min(wander_ - e.wander, e.variance + variance_.value_or(0));
+  const double both = e.variance + variance_.value_or(0);  // the most that the two positions may be off
+  const double stated = e.seen.told ? both : std::min(wander_ - e.wander, both);
   return std::max(stated, 0.0) + modelled_since(e);
 }
 
@@ -96,7 +98,7 @@ Vector2d ObstacleMemory::shift_of(const std::vector<Sighting>& sightings) const 
   };
   std::vector<Pair> pairs;
   for (const Entry& e : entries_) {
-    if (!is_stale(e)) continue;
+    if (!is_stale(e) || e.seen.told) continue;
     const double reach = std::max(config_.confidence, 1.0) * std::sqrt(variance_since(e)) + config_.detection_sigma;
     for (std::size_t i = 0; i < sightings.size(); ++i) {
       const Vector2d apart = sightings[i].centre - e.centre;
@@ -134,7 +136,7 @@ ObstacleMemory::Entry* ObstacleMemory::match(const Sighting& s) {
   Entry* best = nullptr;
   double best_score = 0, nearest = std::numeric_limits<double>::infinity();
   for (Entry& e : entries_) {
-    const Vector2d shift = is_stale(e) ? shift_ : Vector2d::Zero();
+    const Vector2d shift = is_stale(e) && !e.seen.told ? shift_ : Vector2d::Zero();
     const double drift = config_.confidence * std::sqrt(variance_since(e));
     const double apart = (s.centre - e.centre - shift).norm() - s.radius - e.radius;
     if (apart > (e.sweep == sweeps_ ? 0 : drift)) continue;

@@ -11,13 +11,15 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSpread = 1.5;         // standard deviations from the middle place to the eight around it
-constexpr double kFree = 0.8;           // share of an outline that must be free before it counts as a miss
-constexpr double kExplained = 0.95;     // share of an outline that must be in view before it counts as seen whole
-constexpr double kInside = 0.9;         // share of an outline within another that makes it part of that one
-constexpr double kLooseness = 1.25;     // area of a hull over the areas that it joins
-constexpr double kFreeInHull = 0.15;    // share of a hull that may be free water
-constexpr std::size_t kCorners = 24;    // maximum of an outline
+constexpr double kSpread = 1.5;          // standard deviations from the middle place to the eight around it
+constexpr double kFree = 0.8;            // share of an outline that must be free before it counts as a miss
+constexpr double kExplained = 0.95;      // share of an outline that must be in view before it counts as seen whole
+constexpr double kInside = 0.9;          // share of an outline within another that makes it part of that one
+constexpr double kLooseness = 1.25;      // area of a hull over the areas that it joins
+constexpr double kFreeInHull = 0.15;     // share of a hull that may be free water
+constexpr std::size_t kCorners = 24;     // maximum of an outline
+constexpr double kToldExistence = 0.95;  // only what its teller is sure of is told
+constexpr std::size_t kToldCorners = 12;
 constexpr double kMiddleBelief = 0.36;  // mass of a normal distribution nearer to the middle than to the other places
 
 Vector2d offset_of(std::size_t place, double sigma) {
@@ -27,6 +29,17 @@ Vector2d offset_of(std::size_t place, double sigma) {
       Vector2d(-1, 0),         Vector2d(0, -1),          Vector2d(kHalf, kHalf),
       Vector2d(-kHalf, kHalf), Vector2d(-kHalf, -kHalf), Vector2d(kHalf, -kHalf)};
   return kSpread * sigma * unit[place];
+}
+
+/// A polygon about the circle.
+Polygon circle_outline(const Vector2d& centre, double radius) {
+  const double step = 2 * std::numbers::pi / static_cast<double>(kToldCorners), out = radius / std::cos(step / 2);
+  Polygon outline;
+  for (std::size_t i = 0; i < kToldCorners; ++i) {
+    const double a = step * static_cast<double>(i);
+    outline.emplace_back(centre + out * Vector2d(std::cos(a), std::sin(a)));
+  }
+  return outline;
 }
 
 }  // namespace
@@ -153,13 +166,64 @@ void ObstacleMemory::stamp(Entry& e, Time time) const {
   e.variance = variance_.value_or(0);
   e.wander = wander_;
   e.unmeasured = unmeasured_;
+  believe_middle(e);
+  e.seen.told = false;
+}
+
+void ObstacleMemory::believe_middle(Entry& e) {
   e.belief.fill((1 - kMiddleBelief) / (kPlaces - 1));
   e.belief[0] = kMiddleBelief;
 }
 
+bool ObstacleMemory::tell(const ToldObstacle& told, Time now) {
+  if (!told.centre_W.allFinite() || !std::isfinite(told.radius_m + told.sigma_m) || told.radius_m <= 0) {
+    ++refused_;
+    return false;
+  }
+  const auto known = std::ranges::find_if(
+      entries_, [&](const Entry& e) { return e.seen.told && e.teller == told.teller && e.key == told.key; });
+  if (known != entries_.end()) {
+    take_told(*known, told, now);
+    return false;
+  }
+  const double variance = told.sigma_m * told.sigma_m + variance_.value_or(0);
+  const bool stored = std::ranges::any_of(entries_, [&](const Entry& e) {
+    const double sigma = std::sqrt(variance + variance_since(e) + config_.detection_sigma * config_.detection_sigma);
+    return (e.centre - told.centre_W).norm() <= e.radius + told.radius_m + config_.confidence * sigma;
+  });
+  if (stored) return false;
+  Entry fresh;
+  fresh.seen.id = next_id_++;
+  fresh.seen.first_seen = now;
+  fresh.seen.existence = kToldExistence;
+  fresh.seen.sightings = config_.confirmations;
+  fresh.seen.told = true;
+  fresh.teller = told.teller;
+  fresh.key = told.key;
+  believe_middle(fresh);
+  take_told(fresh, told, now);
+  entries_.push_back(std::move(fresh));
+  return true;
+}
+
+void ObstacleMemory::take_told(Entry& e, const ToldObstacle& told, Time now) {
+  e.seen.last_seen = now;
+  e.variance = told.sigma_m * told.sigma_m;
+  e.wander = wander_;
+  e.unmeasured = unmeasured_;
+  set_outline(e, circle_outline(told.centre_W, told.radius_m));
+  e.seen.margin_m = margin_of(e);
+}
+
+double ObstacleMemory::margin_of(const Entry& e) const {
+  return config_.confidence * std::sqrt(variance_since(e) + config_.detection_sigma * config_.detection_sigma);
+}
+
 // Moves the obstacle to where it is seen now.
 void ObstacleMemory::see_again(Entry& e, const Sighting& s, Time time) {
-  if (e.sweep != sweeps_ && is_stale(e)) {
+  if (e.seen.told) {
+    set_outline(e, s.outline_W);  // a circle was told
+  } else if (e.sweep != sweeps_ && is_stale(e)) {
     Vector2d shift = shift_;
     if (share_inside(e.samples, shift, s.outline_W) + share_inside(s.samples, -shift, e.seen.outline_W) <= 0) {
       shift = similar(s.area, e.area) ? Vector2d(s.centre - e.centre) : gap(e.seen.outline_W, s.outline_W);
@@ -280,8 +344,7 @@ void ObstacleMemory::drop_contained() {
 void ObstacleMemory::forget(Time now) {
   const auto confirmed = [this](const Entry& e) { return e.seen.sightings >= config_.confirmations; };
   std::erase_if(entries_, [&](Entry& e) {
-    const double noise = config_.detection_sigma * config_.detection_sigma;
-    e.seen.margin_m = config_.confidence * std::sqrt(variance_since(e) + noise);
+    e.seen.margin_m = margin_of(e);
     const double age = to_seconds(now - e.seen.last_seen);
     return e.seen.existence < config_.min_existence || age > config_.max_age || e.seen.margin_m > config_.max_margin ||
            (!confirmed(e) && age > config_.unconfirmed_age);

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/captain.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
+#include <numeric>
 
 namespace isobath {
 namespace {
+
+constexpr double kWayBackReserve = 1.1, kWayBackReserve_s = 10;  // the way back may lead round something
 
 // Without these agents the vehicle is not controlled, or sees nothing.
 bool matters(const std::string& agent) {
@@ -28,16 +31,56 @@ void Captain::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* report = std::get_if<PointReport>(&message)) on(*report, out);
   if (const auto* report = std::get_if<MissionReport>(&message)) on(*report, out);
   if (const auto* bid = std::get_if<TaskBid>(&message)) on(*bid);
+  if (const auto* visits = std::get_if<VisitOrder>(&message)) left_ = visits->points;
+  if (const auto* fix = std::get_if<Navigation>(&message)) {
+    if (fix->X_WB.is_finite()) here_ = *fix;
+  }
 }
 
 void Captain::tick(Time now, Outbox& out) {
   now_ = now;
   if (bids_until_ && now >= *bids_until_) award(out);
+  if (plans_.is_due(now)) plan(out);
   if (!under_way() || aborted_ || !plan_ || plan_->limits.max_duration_s <= 0) return;
+  turn_back_in_time(out);
   const double lasted = to_seconds(now - started_);
   if (lasted <= plan_->limits.max_duration_s) return;
   abort(MissionEnd::kSurface,
         fmt::format("the mission has lasted {:.1f} s, {:.1f} s allowed", lasted, plan_->limits.max_duration_s), out);
+}
+
+double Captain::way_s(const Eigen::Vector2d& to_W, double speed) const {
+  const double metres = here_ ? (to_W - here_->X_WB.translation.head<2>()).norm() : 0;
+  return metres / (speed > 0 ? speed : plan_->speed);
+}
+
+/// The rest of the mission: how long it takes.
+void Captain::plan(Outbox& out) {
+  double left_s = 0;
+  if (under_way() && plan_) {
+    const Eigen::Vector2d* last_W = nullptr;
+    for (const std::size_t i : left_) {
+      if (i >= plan_->points.size()) continue;
+      const MissionPoint& point = plan_->points[i];
+      const double speed = point.speed > 0 ? point.speed : plan_->speed;
+      left_s += last_W ? (point.north_east - *last_W).norm() / speed : way_s(point.north_east, speed);
+      left_s += point.hold_s;
+      last_W = &point.north_east;
+    }
+    if (plan_->at_end == MissionEnd::kReturn)
+      left_s += last_W ? (home_W_ - *last_W).norm() / plan_->speed : way_s(home_W_, 0);
+  }
+  plans_.note(now_, left_s, false, out);
+}
+
+void Captain::turn_back_in_time(Outbox& out) {
+  if (plan_->at_end != MissionEnd::kReturn || !here_ || left_.empty()) return;
+  const double left_s = plan_->limits.max_duration_s - to_seconds(now_ - started_), back_s = way_s(home_W_, 0);
+  if (left_s > kWayBackReserve * back_s + kWayBackReserve_s) return;
+  abort(MissionEnd::kReturn,
+        fmt::format("{:.0f} s are left, and the way back takes {:.0f} s; {} point{} will not be visited", left_s,
+                    back_s, left_.size(), left_.size() == 1 ? "" : "s"),
+        out);
 }
 
 void Captain::on(const OperatorCommand& command, Outbox& out) {
@@ -85,6 +128,9 @@ void Captain::start(const OperatorCommand& command, Outbox& out) {
   aborted_.reset();
   started_ = now_;
   point_ = 0;
+  left_.resize(plan_->search.on() ? 0 : plan_->points.size());
+  std::iota(left_.begin(), left_.end(), std::size_t{0});
+  if (here_) home_W_ = here_->X_WB.translation.head<2>();
   order(MissionOrder::Kind::kStart, "start", "the operator asks for it", out);
 }
 
@@ -126,6 +172,8 @@ void Captain::on(const RouteRefused& refused, Outbox& out) {
 void Captain::on(const PointReport& report, Outbox& out) {
   if (!plan_ || report.point >= plan_->points.size()) return;
   point_ = report.point;
+  const bool left = report.kind == PointReport::Kind::kReached || report.kind == PointReport::Kind::kDropped;
+  if (left) std::erase(left_, report.point);
   const MissionPoint& point = plan_->points[report.point];
   const std::string name = name_of(point, report.point);
   switch (report.kind) {

@@ -1,9 +1,9 @@
 // Captain: starts missions, ends them when anything is abnormal, and takes the decisions that no lower agent may take
 // (Ganesan 2015, 5.1, 7.2.3; ledger S6-34, S6-41, S6-56, S6-65).
 //
-// Receives OperatorCommand, SafetyReport, AgentLost, RouteRefused, PointReport, MissionReport, TaskBid. Sends
-// MissionOrder, PointMoved, TaskCall, TaskAward, StatusReport, Decision. It sends its responses to a message in the
-// same turn.
+// Receives OperatorCommand, SafetyReport, AgentLost, RouteRefused, PointReport, VisitOrder, Navigation, MissionReport,
+// TaskBid. Sends MissionOrder, PointMoved, TaskCall, TaskAward, StatusReport, LevelPlan, Decision. It sends its
+// responses to a message in the same turn.
 //
 // The Captain starts a mission if the plan is sound (check_mission) and no fault is active that would end it. A
 // SafetyReport that asks for it, or the loss of an agent without which the vehicle cannot be controlled, ends the
@@ -11,12 +11,18 @@
 // mission point is blocked, the Captain moves it to the safe place that the Navigator found, provided that this is no
 // farther from the position in the mission file than the file allows.
 //
+// Under way the Captain predicts, at the interval of the timing table, how long the rest of the mission takes (the way
+// through the points that are left, and the time at them). Where the mission is to end at its start and has a maximum
+// duration, the vehicle turns back as soon as the way to the start takes the time that is left.
+//
 // A task is offered to all back-seat drivers. After `bid_s` the highest suitability wins; of equal bids the first name
 // wins, in whatever order they arrived. If the winner is lost, the next best bid wins. An award without a driver means
 // that no driver has bid.
 #pragma once
 
 #include <isobath/mission/messages/agent.hpp>
+#include <isobath/mission/messages/plan_clock.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
 #include <map>
 #include <set>
 
@@ -30,7 +36,8 @@ std::vector<Field> fields(CaptainConfig& config);
 
 class Captain final : public Agent {
  public:
-  explicit Captain(const CaptainConfig& config) : config_(config) {}
+  explicit Captain(const CaptainConfig& config, const TimingTable& timing = {})
+      : config_(config), plans_(CommandLevel::kMission, timing.of(CommandLevel::kMission).replan_s) {}
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -45,6 +52,9 @@ class Captain final : public Agent {
   void on(const MissionReport& report, Outbox& out);
   void on(const TaskBid& bid);
   void award(Outbox& out);
+  void plan(Outbox& out);
+  void turn_back_in_time(Outbox& out);
+  [[nodiscard]] double way_s(const Eigen::Vector2d& to_W, double speed) const;
   void abort(MissionEnd end, const std::string& why, Outbox& out);
   void order(MissionOrder::Kind kind, const char* what, const std::string& why, Outbox& out);
   void decide(const char* what, std::string reason, Outbox& out) const;
@@ -57,6 +67,10 @@ class Captain final : public Agent {
   std::optional<MissionEnd> aborted_;  ///< how the mission was last ended
   std::set<std::string> faults_;       ///< active faults that would end a mission
   std::size_t point_ = 0;
+  PlanClock plans_;
+  std::vector<std::size_t> left_;  ///< points that are to be visited, in order
+  std::optional<Navigation> here_;
+  Eigen::Vector2d home_W_ = Eigen::Vector2d::Zero();  ///< where the mission started
   Time now_;
   Time started_;
 

@@ -2,6 +2,8 @@
 #include <bit>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/geometry/segment.hpp>
+#include <isobath/map/occupancy/obstacle_outline.hpp>
 #include <isobath/mission/agents/commodore.hpp>
 #include <numeric>
 
@@ -13,7 +15,9 @@ namespace {
 
 constexpr std::size_t kNobodyLeads = 255;
 constexpr std::ptrdiff_t kMostStations = 255;
-constexpr double kAtWaitingPlace_m = 1.5 * kWaitingCircle_m;
+constexpr double kNearLane_m = 25;    // an obstacle that is nearer to a lane matters to the vehicle that sails it
+constexpr double kMostRadius_m = 15;  // a circle about a longer obstacle would shut too much water
+constexpr double kRounding_m = 0.36;  // of a place on the link
 
 LaneBits bit_of(std::size_t lane) { return LaneBits{1} << lane; }
 
@@ -30,6 +34,16 @@ std::string text_of_lanes(std::vector<std::size_t> lanes) {
     i = j + 1;
   }
   return (lanes.size() > 1 ? "lanes " : "lane ") + text;
+}
+
+std::int64_t whole_second(Time time) {
+  return std::chrono::floor<std::chrono::seconds>(time.time_since_epoch()).count();
+}
+
+/// The time nearest to `now` whose whole second has these lower bits.
+Time second_near(Time now, std::uint16_t bits) {
+  const auto apart = static_cast<std::int16_t>(static_cast<std::uint16_t>(bits - whole_second(now)));
+  return Time(std::chrono::seconds(whole_second(now) + apart));
 }
 
 /// The lanes of a vehicle in the order of a plan, without those that are done.
@@ -57,7 +71,9 @@ std::vector<Field> fields(CommodoreConfig& c) {
           Field::integer("lost_turns", &c.lost_turns, {1, 1000}, "1",
                          "A vehicle that is not heard for so many turns of all vehicles counts as lost."),
           Field::real("replan_s", &c.replan_s, {0.1, 3600}, "s", "Time between two divisions of the lanes."),
-          Field::real("turn_s", &c.turn_s, {0, 600}, "s", "Time that a turn into the next lane is taken to cost.")};
+          Field::real("turn_s", &c.turn_s, {0, 600}, "s", "Time that a turn into the next lane is taken to cost."),
+          Field::integer("told_obstacles", &c.told_obstacles, {0, static_cast<int>(kMostTold)}, "1",
+                         "How many obstacles a packet tells of, at most.")};
 }
 
 void Commodore::on_message(const Message& message, Time now, Outbox& out) {
@@ -70,6 +86,7 @@ void Commodore::on_message(const Message& message, Time now, Outbox& out) {
   }
   if (!plan_) return;
   if (const auto* report = std::get_if<PointReport>(&message)) on(*report, now, out);
+  if (const auto* scan = std::get_if<ObstacleScan>(&message)) on(*scan);
   if (const auto* report = std::get_if<MissionReport>(&message)) {
     over_ = report->phase == MissionPhase::kFinished || report->phase == MissionPhase::kAborted;
   }
@@ -92,9 +109,13 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   lane_.reset();
   visits_.clear();
   hazards_.clear();
+  sightings_.clear();
   visited_.assign(lanes_.size() * stations_, 0);
   over_ = told_done_ = plan_last_ = at_waiting_place_ = false;
-  replanned_ = now;
+  replanned_ = started_ = now;
+  meets_ = plan_->search.together_s > 0 && members_.size() > 1;
+  ready_ = false;
+  begin_at_.reset();
   // All vehicles make the same first plan.
   std::vector<std::size_t> open(lanes_.size()), vehicles(members_.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
@@ -110,6 +131,10 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
 void Commodore::on(const PointReport& report, Time now, Outbox& out) {
   const bool visited = report.kind == PointReport::Kind::kReached || report.kind == PointReport::Kind::kDropped;
   if (!visited || std::erase(visits_, report.point) == 0) return;
+  if (meets_) {
+    ready_ = true;
+    return;
+  }
   at_waiting_place_ = report.point >= visited_.size();
   if (at_waiting_place_) return;
   note_station(report.point);
@@ -119,6 +144,42 @@ void Commodore::on(const PointReport& report, Time now, Outbox& out) {
   done_ |= bit_of(*lane_);
   lane_.reset();
   if (all_done()) order("all lanes are done", now, out);
+}
+
+void Commodore::on(const ObstacleScan& scan) {
+  if (!scan.known || members_.size() < 2) return;
+  std::map<std::uint32_t, Sighting> now;
+  for (const RememberedObstacle& o : scan.known->obstacles) {
+    const Circle circle = circle_of(o.outline_W);
+    if (o.told || circle.radius > kMostRadius_m) continue;
+    const auto before = sightings_.find(o.id);
+    const bool moved = before == sightings_.end() || (before->second.centre_W - circle.centre).norm() > kMoved_m;
+    now[o.id] = moved ? Sighting{circle.centre, circle.radius, 0} : before->second;
+  }
+  sightings_ = std::move(now);
+}
+
+std::vector<ObstacleWord> Commodore::obstacles_to_tell() {
+  const auto matters = [&](const Sighting& seen) {
+    for (std::size_t k = 0; k < lanes_.size(); ++k) {
+      if (is_done(k) || lane_ == k) continue;
+      const Vector2d nearest = nearest_on_segment(lanes_[k].from_W, lanes_[k].to_W, seen.centre_W);
+      if ((nearest - seen.centre_W).norm() <= kNearLane_m + seen.radius_m) return true;
+    }
+    return false;
+  };
+  std::vector<std::pair<std::uint32_t, Sighting*>> open;
+  for (auto& [id, seen] : sightings_) {
+    if (seen.tellings < kTellings && matters(seen)) open.emplace_back(id, &seen);
+  }
+  std::ranges::stable_sort(open, {}, [](const auto& one) { return one.second->tellings; });
+  std::vector<ObstacleWord> words;
+  for (const auto& [id, seen] : open) {
+    if (words.size() == static_cast<std::size_t>(config_.told_obstacles)) break;
+    ++seen->tellings;
+    words.push_back({static_cast<std::uint8_t>(id), seen->centre_W, seen->radius_m + kRounding_m, sigma_m_});
+  }
+  return words;
 }
 
 void Commodore::on_frame(const LinkFrame& frame, Time now, Outbox& out) {
@@ -183,6 +244,12 @@ void Commodore::on(const GroupStatus& status, Time now, Outbox& out) {
   if (!first && !newer(status.number, member.status.number)) return;
   note_heard(status.from, now, out);
   member.status = status;
+  if (status.begin_s && !begin_at_) begin_at_ = second_near(now, *status.begin_s);
+  GroupObstacles told;
+  for (const ObstacleWord& o : status.obstacles) {
+    told.obstacles.push_back({status.from, o.key, o.centre_W, o.radius_m, o.sigma_m});
+  }
+  if (!told.obstacles.empty()) out.say(std::move(told));
   const bool was_done = all_done();
   done_ |= status.done;
   note_stations(status);
@@ -233,6 +300,15 @@ LaneSailor Commodore::sailor_of(std::size_t vehicle) const {
                                   : LaneSailor{sailed.to_W, to_second_m / plan_->speed};
 }
 
+/// How long the own lanes take.
+double Commodore::rest_s() const {
+  if (!shared_ || over_) return 0;
+  std::vector<std::size_t> lanes = lanes_of_vehicle(*shared_, own_, done_);
+  if (lane_) std::erase(lanes, *lane_);
+  const LaneSailor sailor = sailor_of(own_);
+  return lanes.empty() ? sailor.ready_s : sailing_s(lanes_, lanes, sailor, {plan_->speed, config_.turn_s});
+}
+
 void Commodore::lead(Time now, Outbox& out) {
   if (leader() != own_ || all_done() || (replanned_ && to_seconds(now - *replanned_) < config_.replan_s)) return;
   replanned_ = now;
@@ -266,7 +342,7 @@ void Commodore::lead(Time now, Outbox& out) {
   const bool somebody_is_missing = !shared_ || std::popcount(given) < static_cast<int>(lanes_.size());
   const LaneShares shares = share_lanes(lanes_, open, sailors, rules);
   const bool better = shares.last_s < (1 - kGain) * present_s - kGain_s;
-  if (!somebody_is_missing && !better) return;
+  if (!somebody_is_missing && !better) return plans_.note(now, rest_s(), false, out);
   enter(shares, vehicles, next);
   if (shared_) next.version = static_cast<std::uint16_t>(shared_->version + 1);
   take(next,
@@ -285,6 +361,7 @@ void Commodore::take(const GroupPlan& plan, const std::string& why, Time now, Ou
   }
   decide(now, "share lanes", text, out);
   order(why, now, out);
+  plans_.note(now, rest_s(), true, out);
 }
 
 /// Two vehicles may follow two plans for a while: the lane is that of the one that began it.
@@ -312,9 +389,10 @@ void Commodore::order(const std::string& why, Time now, Outbox& out) {
   const std::vector<LaneVisit> lanes = visits_of(lanes_, mine, from_W);
   const std::vector<std::size_t> rest = stations_of(lanes, plan_->search);
   std::ranges::copy_if(rest, std::back_inserter(points), [this](std::size_t point) { return is_left(point); });
+  if (meets_) points.resize(ready_ ? 0 : std::min<std::size_t>(points.size(), 1));
   const bool stays = points.empty() && at_waiting_place_;
   const auto waiting = waiting_place(points.empty() ? here_W_ : plan_->points[points.back()].north_east);
-  if (waiting && !last && !stays) points.push_back(*waiting);
+  if (waiting && !last && !stays && !meets_) points.push_back(*waiting);
   if (points == visits_ && last == plan_last_ && orders_ > 0) return;
   visits_ = points;
   plan_last_ = last;
@@ -324,6 +402,33 @@ void Commodore::order(const std::string& why, Time now, Outbox& out) {
     told_done_ = true;
     decide(now, "area searched", fmt::format("all {} lanes are done", lanes_.size()), out);
   }
+}
+
+/// Waits for the others at the first station, until the agreed time.
+void Commodore::meet(Time now, Outbox& out) {
+  if (!meets_) return;
+  if (begin_at_ && now >= *begin_at_) return begin_lanes("begin together", "as agreed", now, out);
+  if (!begin_at_ && to_seconds(now - started_) >= plan_->search.together_s) {
+    std::string missing;
+    for (std::size_t v = 0; v < members_.size(); ++v) {
+      if (v != own_ && !members_[v].status.ready) missing += (missing.empty() ? "" : ", ") + name_of_vehicle(v);
+    }
+    return begin_lanes("begin alone",
+                       fmt::format("after {:.0f} s {} did not say to be ready", plan_->search.together_s,
+                                   missing.empty() ? "the leader" : missing),
+                       now, out);
+  }
+  if (begin_at_ || !ready_ || leader() != own_) return;
+  for (std::size_t v = 0; v < members_.size(); ++v) {
+    if (v != own_ && sails(v) && !members_[v].status.ready) return;
+  }
+  begin_at_ = std::chrono::ceil<std::chrono::seconds>(now + seconds(kAhead_turns * turn_s()));
+}
+
+void Commodore::begin_lanes(const char* what, const std::string& why, Time now, Outbox& out) {
+  meets_ = false;
+  decide(now, what, why, out);
+  order(what, now, out);
 }
 
 /// The nearer one of the own waiting places, if the mission has some.
@@ -356,7 +461,7 @@ void Commodore::say_hazards(Outbox& out) {
 bool Commodore::all_done() const { return static_cast<std::size_t>(std::popcount(done_)) == lanes_.size(); }
 
 void Commodore::watch(Time now, Outbox& out) {
-  const double lost_s = config_.lost_turns * config_.slot_s * static_cast<double>(members_.size());
+  const double lost_s = config_.lost_turns * turn_s();
   for (std::size_t v = 0; v < members_.size(); ++v) {
     Member& member = members_[v];
     if (v == own_ || member.lost || to_seconds(now - member.heard) <= lost_s) continue;
@@ -369,8 +474,7 @@ void Commodore::watch(Time now, Outbox& out) {
 
 void Commodore::send(Time now, Outbox& out) {
   if (members_.size() < 2) return;
-  const double turn_s = config_.slot_s * static_cast<double>(members_.size());
-  const double today_s = to_seconds(now.time_since_epoch()) / turn_s;
+  const double today_s = to_seconds(now.time_since_epoch()) / turn_s();
   const auto turn =
       static_cast<std::int64_t>(std::floor(today_s - static_cast<double>(own_) / static_cast<double>(members_.size())));
   if (sent_in_ == turn) return;
@@ -393,22 +497,29 @@ void Commodore::send(Time now, Outbox& out) {
   status.from = static_cast<std::uint8_t>(own_);
   status.number = ++number_;
   status.place_W = here_W_;
-  status.sigma_m = sigma_m_;
   if (lane_) status.lane = static_cast<std::uint8_t>(*lane_);
   state_stations(status);
   if (shared_) status.leader = shared_->from;
   status.version = shared_ ? shared_->version : 0;
   status.over = over_;
+  status.ready = ready_;
+  if (begin_at_) status.begin_s = static_cast<std::uint16_t>(whole_second(*begin_at_));
   status.lanes = static_cast<std::uint8_t>(lanes_.size());
   status.done = done_;
+  status.obstacles = obstacles_to_tell();
   out.say(LinkFrame{LinkFrame::Way::kToGroup, to_bytes(status)});
 }
 
 void Commodore::tick(Time now, Outbox& out) {
   if (!plan_) return;
   watch(now, out);
+  meet(now, out);
   say_hazards(out);
   lead(now, out);
+  if (plans_.is_due(now)) {  // a vehicle that does not lead looks at its own share again
+    order("the plan of the group", now, out);
+    plans_.note(now, rest_s(), false, out);
+  }
   send(now, out);
 }
 

@@ -2,9 +2,9 @@
 // an acoustic link that loses and delays packets (Herman 1988, 2, 3.1; ledger S2-02, S2-10, S2-17, S2-25, S2-50,
 // S2-51).
 //
-// Receives MissionOrder, PointReport, MissionReport, Navigation and LinkFrame (from the group). Sends VisitOrder,
-// GroupHazards, LinkFrame (to the group) and Decision. Does nothing in a mission without a search area or without a
-// group.
+// Receives MissionOrder, PointReport, MissionReport, Navigation, ObstacleScan and LinkFrame (from the group). Sends
+// VisitOrder, GroupHazards, GroupObstacles, LinkFrame (to the group), LevelPlan and Decision. Does nothing in a mission
+// without a search area or without a group.
 //
 // Every vehicle has a Commodore; that of the first vehicle in the list that is heard and can sail leads. It divides the
 // lanes (lane_sharing.hpp), numbers the plan, and sends it. The others follow the plan of the first vehicle that they
@@ -19,8 +19,16 @@
 // for `lost_turns` turns of all slots counts as lost, until it is heard again. What was sailed is merged from every
 // packet, so lost and repeated packets do no harm.
 //
+// Each status also tells of obstacles that the own sonar has confirmed near lanes that are still to be sailed, those
+// first that were told least often, each at most kTellings times; one that has moved by more than kMoved_m is told
+// anew. What others tell goes to the FLS Detector.
+//
 // Stations that a vehicle told to have visited before it was lost are not visited again: the lane is resumed at the
 // last of them.
+//
+// Where the area has `together_s`, each vehicle goes to its first station and says that it is ready. When all are that
+// the leader hears, it sets a time kAhead_turns turns ahead at which all begin, so that the others hear of it; each
+// vehicle passes it on. After `together_s` from the start of the mission a vehicle waits no longer (S2-19).
 //
 // A lane is done when its last station is reached, or dropped because of an obstacle. Once all are done, the vehicle
 // ends its mission as the plan says; until then a vehicle without a lane goes to its waiting
@@ -29,7 +37,10 @@
 
 #include <isobath/mission/messages/agent.hpp>
 #include <isobath/mission/messages/group_words.hpp>
+#include <isobath/mission/messages/plan_clock.hpp>
 #include <isobath/mission/plan/lane_sharing.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
+#include <map>
 #include <optional>
 
 namespace isobath {
@@ -38,7 +49,8 @@ struct CommodoreConfig {
   double slot_s = 5;
   int lost_turns = 6;
   double replan_s = 10;
-  double turn_s = 10;  ///< for a turn into the next lane, beyond the way
+  double turn_s = 10;      ///< for a turn into the next lane, beyond the way
+  int told_obstacles = 3;  ///< at most, in one packet; 0: none
 };
 std::vector<Field> fields(CommodoreConfig& config);
 
@@ -46,7 +58,11 @@ class Commodore final : public Agent {
  public:
   static constexpr double kGain = 0.1, kGain_s = 20;
 
-  explicit Commodore(const CommodoreConfig& config) : config_(config) {}
+  static constexpr int kTellings = 8;
+  static constexpr double kMoved_m = 1, kAhead_turns = 2.5;
+
+  explicit Commodore(const CommodoreConfig& config, const TimingTable& timing = {})
+      : config_(config), plans_(CommandLevel::kGroup, timing.of(CommandLevel::kGroup).replan_s) {}
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -57,8 +73,16 @@ class Commodore final : public Agent {
     GroupStatus status;  ///< the last
     bool lost = false;
   };
+  /// An obstacle that the own sonar has confirmed.
+  struct Sighting {
+    Eigen::Vector2d centre_W;
+    double radius_m = 0;
+    int tellings = 0;
+  };
   void begin(const MissionOrder& order, Time now, Outbox& out);
   void on(const PointReport& report, Time now, Outbox& out);
+  void on(const ObstacleScan& scan);
+  [[nodiscard]] std::vector<ObstacleWord> obstacles_to_tell();
   void on_frame(const LinkFrame& frame, Time now, Outbox& out);
   void on(const GroupStatus& status, Time now, Outbox& out);
   void on(const GroupPlan& plan, Time now, Outbox& out);
@@ -69,6 +93,7 @@ class Commodore final : public Agent {
   [[nodiscard]] std::optional<std::size_t> leader() const;
   [[nodiscard]] std::optional<std::size_t> lane_of(std::size_t vehicle) const;
   [[nodiscard]] LaneSailor sailor_of(std::size_t vehicle) const;
+  [[nodiscard]] double rest_s() const;
   void lead(Time now, Outbox& out);
   void take(const GroupPlan& plan, const std::string& why, Time now, Outbox& out);
   void note_station(std::size_t point);
@@ -78,6 +103,9 @@ class Commodore final : public Agent {
   [[nodiscard]] std::optional<std::size_t> waiting_place(const Eigen::Vector2d& from_W) const;
   [[nodiscard]] bool is_sailed_by_another(std::size_t lane) const;
   void say_hazards(Outbox& out);
+  void meet(Time now, Outbox& out);
+  void begin_lanes(const char* what, const std::string& why, Time now, Outbox& out);
+  [[nodiscard]] double turn_s() const { return config_.slot_s * static_cast<double>(members_.size()); }
   void order(const std::string& why, Time now, Outbox& out);
   void send(Time now, Outbox& out);
   [[nodiscard]] bool is_done(std::size_t lane) const { return (done_ >> lane & 1U) != 0; }
@@ -93,15 +121,21 @@ class Commodore final : public Agent {
   Eigen::Vector2d here_W_ = Eigen::Vector2d::Zero();
   double sigma_m_ = 0;
   LaneBits done_ = 0;
-  std::optional<GroupPlan> shared_;  ///< that is followed
-  std::size_t stations_ = 0;         ///< of a lane
-  std::optional<std::size_t> lane_;  ///< that is being sailed
-  std::vector<std::size_t> visits_;  ///< points that are ordered and not visited yet
-  std::vector<char> visited_;        ///< by point: whether some vehicle is known to have visited it
-  std::vector<Hazard> hazards_;      ///< as last told
+  std::optional<GroupPlan> shared_;              ///< that is followed
+  std::size_t stations_ = 0;                     ///< of a lane
+  std::optional<std::size_t> lane_;              ///< that is being sailed
+  std::vector<std::size_t> visits_;              ///< points that are ordered and not visited yet
+  std::vector<char> visited_;                    ///< by point: whether some vehicle is known to have visited it
+  std::vector<Hazard> hazards_;                  ///< as last told
+  std::map<std::uint32_t, Sighting> sightings_;  ///< by the id of the remembered obstacle
+  PlanClock plans_;
   std::uint32_t orders_ = 0;
   std::uint16_t number_ = 0;
   bool over_ = false, told_done_ = false, plan_last_ = false, at_waiting_place_ = false;
+  bool meets_ = false;  ///< it goes to its first station, or waits there, until all begin
+  bool ready_ = false;
+  Time started_;                  ///< the mission
+  std::optional<Time> begin_at_;  ///< as agreed
   std::optional<Time> replanned_;
   std::optional<std::int64_t> sent_in_;  ///< number of the turn in which it last sent
 };

@@ -1,14 +1,15 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <isobath/mission/agents/executive_officer.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
 #include <numeric>
 #include <set>
+#include <utility>
 
 namespace isobath {
 namespace {
 
 constexpr double kAtSurface = 0.5;  // m of depth
-constexpr double kNearWaitingPlace_m = 1.5 * kWaitingCircle_m;
 constexpr int kMaxSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
 
 PlanAction at_point(const char* name, std::size_t point) { return {name, {{"point", static_cast<double>(point)}}}; }
@@ -107,8 +108,11 @@ PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& c
   return graph;
 }
 
-ExecutiveOfficer::ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library)
-    : config_(config), library_(std::move(library)) {
+ExecutiveOfficer::ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library,
+                                   const TimingTable& timing)
+    : config_(config),
+      library_(std::move(library)),
+      plans_(CommandLevel::kVehicle, timing.of(CommandLevel::kVehicle).replan_s) {
   for (const auto& [title, graph] : library_) check_plan_graph(graph);
 }
 
@@ -143,6 +147,70 @@ void ExecutiveOfficer::tick(Time now, Outbox& out) {
   }
   if (move_until_ && now >= *move_until_) drop(no_way_why_, out);
   cycle(out);
+  if (plans_.is_due(now)) plan_again(out);
+}
+
+/// The points to which the present plan graph leads, from the present one on.
+std::vector<std::size_t> ExecutiveOfficer::points_left() const {
+  std::vector<std::size_t> points;
+  if (!executor_ || !executor_->started()) return points;
+  const PlanGraph& graph = executor_->graph();
+  std::vector<char> seen(graph.nodes.size(), 0);
+  std::deque<std::size_t> open{executor_->node()};
+  seen[executor_->node()] = 1;
+  for (; !open.empty(); open.pop_front()) {
+    const std::size_t node = open.front();
+    const auto number = graph.nodes[node].action.number("point");
+    if (number && *number >= 0 && *number < static_cast<double>(points_.size())) {
+      const auto point = static_cast<std::size_t>(*number);
+      if (std::ranges::find(points, point) == points.end()) points.push_back(point);
+    }
+    for (const PlanArc& arc : graph.arcs) {
+      if (arc.from == node && !std::exchange(seen[arc.to], 1)) open.push_back(arc.to);
+    }
+  }
+  return points;
+}
+
+double ExecutiveOfficer::time_for(const std::vector<std::size_t>& points) const {
+  double time_s = 0;
+  std::optional<Eigen::Vector2d> last_W;
+  if (here_) last_W = here_->X_WB.translation.head<2>();
+  for (const std::size_t i : points) {
+    const MissionPoint& point = points_[i];
+    const double speed = point.speed > 0 ? point.speed : plan_->speed;
+    if (last_W) time_s += (point.north_east - *last_W).norm() / speed;
+    time_s += point.hold_s;
+    last_W = point.north_east;
+  }
+  return time_s;
+}
+
+void ExecutiveOfficer::plan_again(Outbox& out) {
+  if (!plan_ || !executor_ || !busy()) return plans_.note(now_, 0, false, out);
+  const std::vector<std::size_t> left = points_left();
+  const bool last = !is_shared() || visits_ordered_.last;
+  if (!from_library_ && !left.empty() && !executor_->finished()) {
+    const PlanAction* other = executor_->update(visit_graph(*plan_, left, last, config_), now_);
+    if (other && !paused_) act(*other, out);
+  }
+  plans_.note(now_, time_for(left), false, out);
+}
+
+/// The point that follows the present one, if the vehicle goes on to it as soon as it is there.
+std::optional<Eigen::Vector2d> ExecutiveOfficer::next_W() const {
+  if (errand_ != Errand::kPoint || !executor_ || !executor_->started()) return std::nullopt;
+  const PlanGraph& graph = executor_->graph();
+  const PlanEvent there = PlanEvent::fact("point reached", index(point_));
+  for (const PlanArc& arc : graph.arcs) {
+    if (arc.from != executor_->node() || arc.event != there) continue;
+    const PlanAction& next = graph.nodes[arc.to].action;
+    const auto number = next.number("point");
+    const bool goes_on =
+        next.name == "go to" && number && *number >= 0 && *number < static_cast<double>(points_.size());
+    return goes_on ? std::optional(points_[static_cast<std::size_t>(*number)].north_east) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 void ExecutiveOfficer::on(const MissionOrder& order, Outbox& out) {
@@ -174,14 +242,14 @@ void ExecutiveOfficer::start(const MissionOrder& order, Outbox& out) {
   errand_ = Errand::kNone;
   if (here_) home_ = here_->X_WB.translation.head<2>();
   const auto stored = library_.find(plan_->title);
-  const bool from_library = stored != library_.end();
+  from_library_ = stored != library_.end();
   visits_ordered_ = {};
-  executor_.emplace(from_library  ? stored->second
+  executor_.emplace(from_library_ ? stored->second
                     : is_shared() ? visit_graph(*plan_, {}, false, config_)
                                   : mission_graph(*plan_, config_));
   decide("start",
          fmt::format("{}, {} points, by a plan graph {}", plan_->title.empty() ? "mission" : plan_->title,
-                     points_.size(), from_library ? "from the library" : "derived from the mission"),
+                     points_.size(), from_library_ ? "from the library" : "derived from the mission"),
          out);
   report(MissionPhase::kUnderWay, order.why, out);
   act(executor_->start(now_), out);
@@ -218,6 +286,8 @@ void ExecutiveOfficer::visit(const VisitOrder& order, Outbox& out) {
   }
   PlanGraph graph = visit_graph(*plan_, order.points, order.last, config_);
   decide("visit", order.why, out);
+  from_library_ = false;
+  plans_.note(now_, time_for(order.points), true, out);
   // To go on with a point that is not the first would skip those before it.
   const bool turns = on_the_way && !order.points.empty() && order.points.front() != point_;
   if (turns) {
@@ -243,7 +313,7 @@ void ExecutiveOfficer::on(const RoutePlanned& route, Outbox& out) {
   if (no_way_ && phase_ == MissionPhase::kHolding) report(MissionPhase::kUnderWay, route.why, out);
   no_way_ = false;
   version_ = route.version;
-  out.say(FollowOrder{version_, route.waypoints, target_.altitude_m, false});
+  out.say(FollowOrder{version_, route.waypoints, target_.altitude_m, false, route.then_W});
   if (route.avoiding) out.say(PointReport{PointReport::Kind::kAvoiding, point_, route.why});
 }
 
@@ -323,7 +393,7 @@ void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {
 }
 
 bool ExecutiveOfficer::is_near(const MissionPoint& point) const {
-  return here_ && (here_->X_WB.translation.head<2>() - point.north_east).norm() <= kNearWaitingPlace_m;
+  return here_ && (here_->X_WB.translation.head<2>() - point.north_east).norm() <= kAtWaitingPlace_m;
 }
 
 void ExecutiveOfficer::go(Errand errand, const MissionPoint& target, Outbox& out) {
@@ -333,7 +403,7 @@ void ExecutiveOfficer::go(Errand errand, const MissionPoint& target, Outbox& out
   move_until_.reset();
   version_ = 0;
   const bool last = errand != Errand::kPoint || point_ + 1 == points_.size();
-  out.say(RouteRequest{++request_, point_, target_, last});
+  out.say(RouteRequest{++request_, point_, target_, last, next_W()});
 }
 
 void ExecutiveOfficer::arrive(bool reached_it, Outbox& out) {

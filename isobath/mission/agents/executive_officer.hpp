@@ -2,7 +2,7 @@
 // S6-35, S6-51, S6-E21, S2-06 to S2-09).
 //
 // Receives MissionOrder, VisitOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan,
-// Navigation and AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, Decision.
+// Navigation and AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, LevelPlan, Decision.
 //
 // The mission is a plan graph: one node per point, and nodes for the work there and for the end. The graph is derived
 // from the MissionPlan, or taken by its title from the library that the constructor receives (S2-09). The events of the
@@ -15,6 +15,9 @@
 // the points of one that is not the last, the vehicle holds its position. If the Commodore is lost, the points that are
 // ordered are the last.
 //
+// At the interval of the timing table the plan graph of what is still to come is derived anew and replaces the rest of
+// the old one; where nothing has changed, the vehicle goes on as before (S2-24, S2-25).
+//
 // A new route replaces the rest of the one before. Without a route the vehicle holds its position until there is one;
 // after a total of `route_timeout_s` without a route the point is dropped. A point that is passed abeam is approached
 // again, `approaches` times in all. If the Captain is lost, the vehicle surfaces.
@@ -22,7 +25,9 @@
 
 #include <deque>
 #include <isobath/mission/messages/agent.hpp>
+#include <isobath/mission/messages/plan_clock.hpp>
 #include <isobath/mission/plan/plan_graph.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
 #include <map>
 #include <span>
 
@@ -48,7 +53,8 @@ PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& c
 
 class ExecutiveOfficer final : public Agent, private PlanDatabase {
  public:
-  explicit ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library = {});
+  explicit ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library = {},
+                            const TimingTable& timing = {});
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -68,6 +74,10 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   void on(const TaskAward& award);
   void on(const TaskPlan& plan, Outbox& out);
 
+  void plan_again(Outbox& out);
+  [[nodiscard]] std::vector<std::size_t> points_left() const;
+  [[nodiscard]] double time_for(const std::vector<std::size_t>& points) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> next_W() const;
   void cycle(Outbox& out);
   void act(const PlanAction& action, Outbox& out);
   void go(Errand errand, const MissionPoint& target, Outbox& out);
@@ -92,6 +102,8 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   std::optional<PlanExecutor> executor_;
   std::map<std::pair<std::string, int>, double> facts_;
   VisitOrder visits_ordered_;  ///< in a group: the newest
+  PlanClock plans_;
+  bool from_library_ = false;  ///< the graph, which is then never derived anew
   MissionPhase phase_ = MissionPhase::kWaiting;
   std::size_t reached_ = 0, dropped_ = 0;
   bool paused_ = false;  ///< by the operator

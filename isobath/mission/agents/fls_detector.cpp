@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <fmt/format.h>
 #include <isobath/mission/agents/fls_detector.hpp>
 #include <isobath/mission/agents/way_keeping.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 
@@ -38,6 +40,7 @@ void FlsDetector::on_message(const Message& message, Time now, Outbox& out) {
     if (fix->X_WB.is_finite()) here_ = *fix;
   }
   if (const auto* sweep = std::get_if<Sweep>(&message)) on(*sweep, out);
+  if (const auto* told = std::get_if<GroupObstacles>(&message)) on(*told, now, out);
   if (const auto* order = std::get_if<MissionOrder>(&message)) {
     if (order->kind == MissionOrder::Kind::kStart && order->plan) start(*order->plan, now);
   }
@@ -68,9 +71,24 @@ void FlsDetector::on(const Sweep& sweep, Outbox& out) {
   say_scan(map.time, X_WL_seen_, sweep.posed, out);
 }
 
+void FlsDetector::on(const GroupObstacles& told, Time now, Outbox& out) {
+  for (const ToldObstacle& o : told.obstacles) {
+    if (!memory_.tell(o, now)) continue;
+    const auto teller = static_cast<std::size_t>(o.teller);
+    Decision d{now, "fls detector", "obstacle told",
+               fmt::format("{} has seen an obstacle at {}, {:.1f} m across, which this vehicle has not seen",
+                           teller < group_.size() ? group_[teller] : "a vehicle of the group", text_of(o.centre_W),
+                           2 * o.radius_m)};
+    d.obstacle = o.centre_W;
+    out.say(std::move(d));
+  }
+}
+
 void FlsDetector::start(const MissionPlan& plan, Time now) {
   due_.clear();
   injected_.clear();
+  group_.clear();
+  for (const GroupMember& member : plan.group) group_.push_back(member.name);
   for (const InjectedMap& map : plan.injected) due_.push_back({now + seconds(map.at_s), map.outlines});
   std::stable_sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.at < b.at; });
 }

@@ -1,11 +1,13 @@
 // FlsDetector: sends all obstacles as one list to the Navigator at the end of each sweep (Ganesan 2015, 5.1, 6.1;
 // ledger S6-38, S6-58, S6-66).
 //
-// Receives Sweep, Navigation and MissionOrder. Sends ObstacleScan, with hazards in the level body frame of its pose:
+// Receives Sweep, Navigation, MissionOrder and GroupObstacles. Sends Decision and ObstacleScan, with hazards in the
+// level body frame of its pose:
 //   seen        obstacles of the last sweep, with a share of the grid's cell as margin
 //   moving      the same of those that move, with the water that they cross in the next `moving_ahead_s`; in a sweep
 //               that has such obstacles, also those that may move, at their present places
-//   remembered  obstacles that earlier sweeps confirmed and this one did not show whole, with the drift since as margin
+//   remembered  obstacles that earlier sweeps confirmed and this one did not show whole, with the drift since as
+//               margin; also those that other vehicles of the group tell of
 //   injected    maps of the mission plan, from the time given there on; the first scan that contains one has exactly
 //               that time, and the last pose known at the next tick
 // The scan also lists all remembered obstacles around the vehicle, seen again by this sweep or not, for display.
@@ -40,12 +42,14 @@ class FlsDetector final : public Agent {
     std::vector<Polygon> outlines;  ///< in W
   };
   void on(const Sweep& sweep, Outbox& out);
+  void on(const GroupObstacles& told, Time now, Outbox& out);
   void start(const MissionPlan& plan, Time now);
   void remember(const Sweep& sweep);
   void say_scan(Time time, const Pose& X_WL, bool posed, Outbox& out);
 
   FlsDetectorConfig config_;
   ObstacleMemory memory_;
+  std::vector<std::string> group_;  ///< names of its vehicles
   std::optional<Navigation> here_;
   Pose X_WL_seen_;            ///< at the last sweep
   std::vector<Hazard> seen_;  ///< in that frame

@@ -29,8 +29,13 @@ double sigma_of(const Navigation& fix) {
 }  // namespace
 
 Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
-                     const SpaceRouteConfig& space_route, const OpeningConfig& opening)
-    : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle), opening_(opening, vehicle) {}
+                     const SpaceRouteConfig& space_route, const OpeningConfig& opening, const TimingTable& timing)
+    : config_(config),
+      route_(route),
+      space_route_(space_route),
+      vehicle_(vehicle),
+      opening_(opening, vehicle),
+      plans_(CommandLevel::kMove, timing.of(CommandLevel::kMove).replan_s) {}
 
 void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
@@ -57,7 +62,7 @@ void Navigator::tick(Time now, Outbox& out) {
   if (mode_ == Mode::kEmergency && past) {
     enter(Mode::kNormal, "the obstacle is passed; the mission goes on as ordered", out);
   }
-  if (look_at_tick_ || (request_ && !refused_ && blind())) look(out);
+  if (look_at_tick_ || (request_ && !refused_ && blind()) || plans_.is_due(now)) look(out);
 }
 
 // A jump of the position says nothing about the water between vehicle and obstacle: the last scan, and the corners
@@ -88,7 +93,8 @@ void Navigator::on_fix(const Navigation& fix, Outbox& out) {
   if (way_.size() > 1) {
     for (const Waypoint& w : way_) d.way.emplace_back(w.north, w.east);
     passed_ = 0;
-    out.say(RoutePlanned{request_->id, ++version_, way_, true, d.reason});
+    if (then_W_) *then_W_ += jump;
+    out.say(RoutePlanned{request_->id, ++version_, way_, true, d.reason, then_W_});
   }
   out.say(std::move(d));
   look(out);
@@ -157,7 +163,7 @@ void Navigator::wait_for_goal_selector() {
 // One cycle: the hazards, whether the point can stay, whether the route can (Ganesan 2015, 5.2).
 void Navigator::look(Outbox& out) {
   look_at_tick_ = false;
-  if (!request_ || !here_) return;
+  if (!request_ || !here_) return note_plan(out);
   if (const auto refusal = blind()) return refuse(*refusal, out);
   const PlanFrame frame = plan_frame();
   std::vector<Hazard> hazards = hazards_in(frame);
@@ -178,6 +184,21 @@ void Navigator::look(Outbox& out) {
     keep(view, out);
   }
   look_at_opening(view, out);
+  note_plan(out);
+}
+
+void Navigator::note_plan(Outbox& out) {
+  double metres = 0;
+  if (request_ && here_ && !way_.empty()) {
+    Vector2d last = place_of(*here_);
+    for (const Waypoint& w : way_) {
+      metres += (Vector2d(w.north, w.east) - last).norm();
+      last = {w.north, w.east};
+    }
+    if (request_->then_W) metres += (*request_->then_W - last).norm();
+  }
+  plans_.note(now_, metres > 0 ? metres / std::max(wanted_speed(), 0.01) : 0, version_ != noted_, out);
+  noted_ = version_;
 }
 
 /// Whether the Goal Selector is to know the still hazards; removes those that move while it steers past them. It has
@@ -253,7 +274,8 @@ void Navigator::begin_here(Outbox& out) {
   if ((nearest_on_segment(way_from_, next, here) - here).norm() < config_.off_leg_m) return;
   way_from_ = here;
   passed_ = 0;
-  out.say(RoutePlanned{request_->id, ++version_, way_, way_.size() > 1, "the route begins where the vehicle is"});
+  out.say(
+      RoutePlanned{request_->id, ++version_, way_, way_.size() > 1, "the route begins where the vehicle is", then_W_});
 }
 
 void Navigator::keep(View& view, Outbox& out) {
@@ -337,12 +359,7 @@ void Navigator::start(View& view, Outbox& out) {
 Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   RouteConfig config = route_;
   config.max_expanded = max_expanded();
-  RouteTask task;
-  task.start = view.way.front();
-  task.goal = view.goal;
-  task.half_width_m = vehicle_.half_width_m;
-  task.turning_radius_m = turning_radius();
-  if (task.turning_radius_m > 0) task.heading = view.heading.radians();
+  const RouteTask task = task_of(view);
   auto found = plan_route(view.map, task, config);
   // Where hazards hem it in, a vehicle that needs room to turn is given a smaller clearance.
   for (const double share : {0.6, 0.3}) {
@@ -353,6 +370,32 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
     found = plan_route(view.map, task, config);
   }
   return found;
+}
+
+RouteTask Navigator::task_of(const View& view) const {
+  RouteTask task;
+  task.start = view.way.front();
+  task.goal = view.goal;
+  task.half_width_m = vehicle_.half_width_m;
+  task.turning_radius_m = turning_radius();
+  if (task.turning_radius_m > 0) task.heading = view.heading.radians();
+  return task;
+}
+
+/// Where the route to the point after will first lead, as far as is known now. A point that cannot be reached counts as
+/// straight ahead.
+std::optional<Vector2d> Navigator::corner_after(const View& view) const {
+  if (!request_->then_W) return std::nullopt;
+  const Vector2d then = view.frame.to_local(*request_->then_W);
+  if (view.map.leg_is_clear(view.goal, then, least_clearance())) return request_->then_W;
+  RouteTask task = task_of(view);
+  task.start = view.goal;
+  task.goal = then;
+  task.heading.reset();
+  RouteConfig config = route_;
+  config.max_expanded = max_expanded();
+  const auto found = plan_route(view.map, task, config);
+  return found && found->points.size() > 2 ? view.frame.to_world(found->points[1]) : *request_->then_W;
 }
 
 /// At the speed at which the vehicle goes to the point.
@@ -391,10 +434,10 @@ void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& o
   }
   through_ = false;
   opening_.leave();
-  adopt(std::move(waypoints), length_of(way) - before, std::move(d), out);
+  adopt(view, std::move(waypoints), length_of(way) - before, std::move(d), out);
 }
 
-void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision d, Outbox& out) {
+void Navigator::adopt(const View& view, std::vector<Waypoint> waypoints, double longer_m, Decision d, Outbox& out) {
   if (!waypoints.empty()) waypoints.back().radius_m = request_->target.radius_m;
   double length = 0;
   Vector2d last = place_of(*here_);
@@ -413,7 +456,8 @@ void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision
                                      way_.size() - 1, way_.size() == 2 ? "" : "s", std::abs(longer_m),
                                      longer_m < 0 ? "shorter" : "longer")
                        : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length);
-  out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason});
+  then_W_ = corner_after(view);
+  out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason, then_W_});
   out.say(std::move(d));
 }
 

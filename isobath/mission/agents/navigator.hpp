@@ -4,7 +4,7 @@
 //
 // Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, GroupHazards, Navigation, WaypointPassed,
 // MotionOrder, MissionOrder (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an
-// overloaded computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, Decision.
+// overloaded computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, LevelPlan, Decision.
 //
 // The depth map that sonar has measured counts as seen (HazardKind::kMapped): a vehicle that has only range sonars
 // plans on it, and without scans each update of it is one cycle (ledger S1-03, S1-41).
@@ -13,6 +13,9 @@
 // checked there, and, if anything changes, transformed back with the same pose. A position error that route and
 // obstacles share therefore has no effect (S6-53). When a position fix jumps, the corners of the route and the last
 // scan move with it; the mission point, which is a place in the world, does not.
+//
+// Each scan lets it plan; without scans it plans at the interval of the timing table. With a route it also plans the
+// first leg of the route to the point after, so that the Pilot knows the corner (S2-41).
 //
 // The route changes only for a reason (S6-54, S6-55):
 //   - it would come nearer to a hazard than the clearance less `slack_m`. Its corners are then moved aside as far as
@@ -50,6 +53,8 @@
 #include <isobath/mission/agents/navigator_config.hpp>
 #include <isobath/mission/agents/opening_watch.hpp>
 #include <isobath/mission/messages/agent.hpp>
+#include <isobath/mission/messages/plan_clock.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
 #include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/planning/space_route.hpp>
@@ -60,7 +65,8 @@ namespace isobath {
 class Navigator : public Agent {
  public:
   Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
-            const SpaceRouteConfig& space_route = {}, const OpeningConfig& opening = {});
+            const SpaceRouteConfig& space_route = {}, const OpeningConfig& opening = {},
+            const TimingTable& timing = {});
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -100,6 +106,7 @@ class Navigator : public Agent {
   void on_action(const SafetyAction& action, Outbox& out);
 
   void look(Outbox& out);
+  void note_plan(Outbox& out);
   [[nodiscard]] std::optional<Refusal> blind() const;
   void wait_for_goal_selector();
   [[nodiscard]] bool in_traffic() const;
@@ -115,6 +122,8 @@ class Navigator : public Agent {
   void shorten(View& view, Outbox& out);
   void start(View& view, Outbox& out);
   [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
+  [[nodiscard]] RouteTask task_of(const View& view) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> corner_after(const View& view) const;
   [[nodiscard]] int max_expanded() const;
   [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
 
@@ -122,7 +131,7 @@ class Navigator : public Agent {
   [[nodiscard]] double wanted_speed() const;
   [[nodiscard]] double speed_on(const View& view, const Way& way) const;
   void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
-  void adopt(std::vector<Waypoint> waypoints, double longer_m, Decision decision, Outbox& out);
+  void adopt(const View& view, std::vector<Waypoint> waypoints, double longer_m, Decision decision, Outbox& out);
 
   // the mission point: navigator_goal.cpp
   [[nodiscard]] std::optional<Refusal> judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards);
@@ -178,8 +187,11 @@ class Navigator : public Agent {
   std::optional<RouteRequest> request_;
   std::vector<Waypoint> way_;                           ///< the rest of the route; the last is the mission point
   Eigen::Vector2d way_from_ = Eigen::Vector2d::Zero();  ///< where it began
+  std::optional<Eigen::Vector2d> then_W_;               ///< as in RoutePlanned
+  PlanClock plans_;
   std::uint32_t version_ = 0;
-  std::size_t passed_ = 0;  ///< way-points of this version that lie behind
+  std::uint32_t noted_ = 0;  ///< the version of the last plan that was noted
+  std::size_t passed_ = 0;   ///< way-points of this version that lie behind
   std::optional<RouteRefused::Reason> refused_;
   int goal_blocked_ = 0;        ///< scans in a row
   int shorter_ = 0;             ///< scans in a row with a shorter route

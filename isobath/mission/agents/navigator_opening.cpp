@@ -78,7 +78,7 @@ void Navigator::take_helix(const View& view, const SpacePath& path, Decision d, 
       {target.north_east.x(), target.north_east.y(), target.depth_m, wanted_speed(), points.back().z()});
   way.push_back(view.goal);
   through_ = conflict_ahead(view.map, way, least_clearance()).has_value();
-  adopt(std::move(waypoints), length_of(way) - before, std::move(d), out);
+  adopt(view, std::move(waypoints), length_of(way) - before, std::move(d), out);
 }
 
 }  // namespace isobath

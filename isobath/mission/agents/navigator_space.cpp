@@ -133,7 +133,7 @@ void Navigator::take_space_way(const View& view, const SpaceRoutePath& path, Dec
   if (path.sure_m < path.length_m - 1) d.reason += fmt::format(", known for {:.0f} m so far", path.sure_m);
   through_ = true;
   opening_.leave();
-  adopt(std::move(waypoints), path.length_m - before, std::move(d), out);
+  adopt(view, std::move(waypoints), path.length_m - before, std::move(d), out);
 }
 
 }  // namespace isobath

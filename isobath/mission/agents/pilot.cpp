@@ -19,13 +19,14 @@ std::vector<Field> fields(PilotConfig& c) {
 }
 
 Pilot::Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
-             const DepthKeeperConfig& depth, const VehicleParameters& vehicle)
+             const DepthKeeperConfig& depth, const VehicleParameters& vehicle, const TimingTable& timing)
     : config_(config),
       guidance_(guidance),
       depth_config_(depth),
       vehicle_(vehicle),
       station_(station, vehicle),
-      depth_(depth, vehicle) {}
+      depth_(depth, vehicle),
+      plans_(CommandLevel::kPrimitive, timing.of(CommandLevel::kPrimitive).replan_s) {}
 
 void Pilot::on_message(const Message& message, Time, Outbox&) {
   if (const auto* order = std::get_if<FollowOrder>(&message)) on(*order);
@@ -48,6 +49,7 @@ void Pilot::tick(Time now, Outbox& out) {
   const double dt = last_tick_ ? to_seconds(now - *last_tick_) : 0.1;
   last_tick_ = now;
   if (!here_ || dt <= 0) return;
+  plans_.note(now, horizon_s(), false, out);
   if (to_seconds(now - here_->time) > config_.silent_s || task_ == Task::kNone) {
     out.say(HelmOrder{at_rest()});
     return;
@@ -69,6 +71,21 @@ void Pilot::on(const FollowOrder& order) {
   } else {
     line_of_sight_.emplace(guidance_, order.waypoints, vehicle_);
   }
+  line_of_sight_->go_on_to(order.then_W);
+}
+
+/// Along the way-points that are left, and on to the next point.
+double Pilot::horizon_s() const {
+  if (task_ != Task::kFollow) return 0;
+  Vector2d last = here_->X_WB.translation.head<2>();
+  double time_s = 0;
+  for (std::size_t i = told_; i < order_.waypoints.size(); ++i) {
+    const Waypoint& w = order_.waypoints[i];
+    time_s += (Vector2d(w.north, w.east) - last).norm() / std::max(w.speed, 0.01);
+    last = {w.north, w.east};
+  }
+  if (order_.then_W) time_s += (*order_.then_W - last).norm() / std::max(order_.waypoints.back().speed, 0.01);
+  return time_s;
 }
 
 void Pilot::on(const RangeReading& reading) {
@@ -112,6 +129,7 @@ Setpoint Pilot::follow(double dt, Time now, Outbox& out) {
   if (std::exchange(motion_, std::nullopt)) {
     first_ = told_;
     line_of_sight_->follow({order_.waypoints.begin() + static_cast<std::ptrdiff_t>(first_), order_.waypoints.end()});
+    line_of_sight_->go_on_to(order_.then_W);
   }
   const Setpoint wanted = line_of_sight_->step(here_->X_WB, here_->v_WB, dt);
   report(out);

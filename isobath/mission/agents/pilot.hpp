@@ -2,13 +2,16 @@
 // 6.1.1; ledger S6-37).
 //
 // Receives FollowOrder, MotionOrder, Navigation, RangeReading (of downward sensors), MissionOrder (limits) and
-// AgentLost. Sends WaypointPassed when a way-point comes to lie behind, and a HelmOrder at each tick.
+// AgentLost. Sends WaypointPassed when a way-point comes to lie behind, a HelmOrder at each tick, and LevelPlan.
 //
 // The last way-point is the mission point: it is reached within its own radius, or `point_radius`. Those before it are
 // corners round obstacles. The vehicle turns at them within the acceptance radius of the guidance, which is smaller,
 // because an early turn cuts the corner. A way-point that is passed abeam counts as passed, not as reached. After the
 // last way-point the Pilot holds it; on an empty order it holds the place where the vehicle can come to rest. Without
 // navigation for `silent_s` the vehicle stops; without an Executive Officer it surfaces.
+//
+// Where the vehicle goes on after the last way-point, it takes that corner at the speed of a corner; else, if it can
+// hover, it brakes for the point.
 //
 // While the Goal Selector orders a motion, the Pilot keeps to its place and velocity instead of the line to the
 // way-point, and makes good an error of place in `motion_s`. The last way-point is then passed only within its radius;
@@ -18,6 +21,8 @@
 #pragma once
 
 #include <isobath/mission/messages/agent.hpp>
+#include <isobath/mission/messages/plan_clock.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
 #include <isobath/vehicle/depth_keeper.hpp>
 #include <isobath/vehicle/guidance.hpp>
 
@@ -35,7 +40,7 @@ std::vector<Field> fields(PilotConfig& config);
 class Pilot final : public Agent {
  public:
   Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
-        const DepthKeeperConfig& depth, const VehicleParameters& vehicle);
+        const DepthKeeperConfig& depth, const VehicleParameters& vehicle, const TimingTable& timing = {});
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -53,6 +58,7 @@ class Pilot final : public Agent {
   [[nodiscard]] double radius_of(const Waypoint& last) const;
   [[nodiscard]] double distance_to(const Waypoint& place) const;
   [[nodiscard]] double hold_speed() const;
+  [[nodiscard]] double horizon_s() const;
   [[nodiscard]] Setpoint at_rest();
   [[nodiscard]] Setpoint at_its_depth(Setpoint wanted, Time now);
 
@@ -64,6 +70,7 @@ class Pilot final : public Agent {
   DepthKeeper depth_;
   std::optional<LineOfSight> line_of_sight_;  ///< kept from order to order, with its estimate of the current
 
+  PlanClock plans_;
   Task task_ = Task::kNone;
   FollowOrder order_;
   double went_ = 0;                    ///< speed of the last route, m/s

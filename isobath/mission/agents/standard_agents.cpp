@@ -4,6 +4,7 @@ namespace isobath {
 
 std::vector<Section> sections(MissionConfig& c) {
   return {
+      {"timing", "How often each level of command plans, and how far ahead.", fields(c.timing)},
       {"captain", "The agent that starts and ends missions.", fields(c.captain)},
       {"commodore", "The agent that shares a search area with other vehicles.", fields(c.commodore)},
       {"executive", "The agent that takes the vehicle from point to point.", fields(c.executive)},
@@ -34,13 +35,14 @@ std::vector<AgentSlot> standard_agents(const MissionConfig& c, const VehiclePara
   };
   slot("fls detector", AgentLevel::kVehicle, std::make_unique<FlsDetector>(c.fls_detector, c.memory));
   slot("navigator", AgentLevel::kMission,
-       std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route, c.opening));
-  slot("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain));
-  slot("commodore", AgentLevel::kSupervisory, std::make_unique<Commodore>(c.commodore));
-  slot("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive));
+       std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route, c.opening, c.timing));
+  slot("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain, c.timing));
+  slot("commodore", AgentLevel::kSupervisory, std::make_unique<Commodore>(c.commodore, c.timing));
+  slot("executive officer", AgentLevel::kMission,
+       std::make_unique<ExecutiveOfficer>(c.executive, std::map<std::string, PlanGraph>{}, c.timing));
   slot("goal selector", AgentLevel::kMission, std::make_unique<GoalSelector>(c.goal_selector, vehicle));
   slot("pilot", AgentLevel::kVehicle,
-       std::make_unique<Pilot>(c.pilot, c.guidance, c.station, c.depth_keeping, vehicle));
+       std::make_unique<Pilot>(c.pilot, c.guidance, c.station, c.depth_keeping, vehicle, c.timing));
   slot("chart room", AgentLevel::kMission, std::make_unique<ChartRoom>(c.chart_room));
   slot("signaling officer", AgentLevel::kSupervisory, std::make_unique<SignalingOfficer>(c.signaling));
   const double turning_radius_m = vehicle.limits.turning_radius;

@@ -13,10 +13,12 @@
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/pilot.hpp>
 #include <isobath/mission/agents/signaling_officer.hpp>
+#include <isobath/mission/plan/timing_table.hpp>
 
 namespace isobath {
 
 struct MissionConfig {
+  TimingTable timing;
   CaptainConfig captain;
   CommodoreConfig commodore;
   ExecutiveConfig executive;

@@ -15,6 +15,7 @@ constexpr const char* name(const Sweep*) { return "sweep"; }
 constexpr const char* name(const ObstacleScan*) { return "obstacle scan"; }
 constexpr const char* name(const ChartedHazards*) { return "charted hazards"; }
 constexpr const char* name(const GroupHazards*) { return "group hazards"; }
+constexpr const char* name(const GroupObstacles*) { return "group obstacles"; }
 constexpr const char* name(const OperatorCommand*) { return "operator command"; }
 constexpr const char* name(const MissionOrder*) { return "mission order"; }
 constexpr const char* name(const VisitOrder*) { return "visit order"; }
@@ -40,6 +41,7 @@ constexpr const char* name(const TaskPlan*) { return "task plan"; }
 constexpr const char* name(const Decision*) { return "decision"; }
 constexpr const char* name(const WorldSnapshot*) { return "world"; }
 constexpr const char* name(const LinkFrame*) { return "link frame"; }
+constexpr const char* name(const LevelPlan*) { return "level plan"; }
 
 template <std::size_t... I>
 constexpr std::array<const char*, sizeof...(I)> all_names(std::index_sequence<I...>) {

@@ -3,18 +3,6 @@
 
 namespace isobath {
 
-const char* to_text(CommandLevel level) {
-  switch (level) {
-    case CommandLevel::kMission: return "mission";
-    case CommandLevel::kGroup: return "group";
-    case CommandLevel::kVehicle: return "vehicle";
-    case CommandLevel::kMove: return "move";
-    case CommandLevel::kPrimitive: return "primitive";
-    case CommandLevel::kServo: return "servo";
-  }
-  return "";
-}
-
 /// The newest one counts: an agent that starts anew begins to count anew.
 std::uint64_t CommandChain::Named::number_of(std::uint32_t id) const {
   std::uint64_t newest = 0;

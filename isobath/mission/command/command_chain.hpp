@@ -23,11 +23,7 @@
 
 namespace isobath {
 
-enum class CommandLevel : std::uint8_t { kMission, kGroup, kVehicle, kMove, kPrimitive, kServo };
-inline constexpr std::size_t kCommandLevels = 6;
-const char* to_text(CommandLevel level);
-
-/// Of a message that is a command.
+/// The level of a command, and the command that it serves.
 struct CommandLink {
   CommandLevel level = CommandLevel::kMission;
   std::uint64_t parent = 0;  ///< Envelope::number of the command above; 0: none

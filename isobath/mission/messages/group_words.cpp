@@ -8,13 +8,14 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 enum : std::uint8_t { kStatus = 1, kPlan = 2 };
-constexpr std::size_t kGroupHead = 5, kStatusHead = 19, kPlanHead = 9, kCheck = 2;
+constexpr std::size_t kGroupHead = 5, kStatusHead = 20, kPlanHead = 9, kCheck = 2;
 constexpr std::uint8_t kNobody = 15, kNone = 255;
-constexpr double kPlaceStep_m = 0.5;
+constexpr std::size_t kObstacle = 7;
+constexpr double kPlaceStep_m = 0.5, kSizeStep_m = 0.25;
 
 std::size_t bytes_of(std::size_t lanes) { return (lanes + 7) / 8; }
 
-FrameBytes begun(std::uint8_t kind, std::uint8_t from) { return {'I', 'G', 1, kind, from}; }
+FrameBytes begun(std::uint8_t kind, std::uint8_t from) { return {'I', 'G', 2, kind, from}; }
 
 FrameBytes checked(FrameBytes out) {
   put(out, crc32(out) & 0xffffU, kCheck);
@@ -30,6 +31,15 @@ double place_at(Bytes bytes, std::size_t at) {
   return kPlaceStep_m * static_cast<std::int16_t>(static_cast<std::uint16_t>(number_at(bytes, at, 2)));
 }
 
+/// Rounded up.
+std::uint8_t size_word(double metres) {
+  return static_cast<std::uint8_t>(std::clamp(std::ceil(metres / kSizeStep_m), 0.0, 255.0));
+}
+
+ObstacleWord obstacle_at(Bytes b, std::size_t at) {
+  return {b[at], {place_at(b, at + 1), place_at(b, at + 3)}, kSizeStep_m * b[at + 5], kSizeStep_m * b[at + 6]};
+}
+
 std::optional<std::uint8_t> unless_none(std::uint64_t value) {
   if (value == kNone) return std::nullopt;
   return static_cast<std::uint8_t>(value);
@@ -42,20 +52,24 @@ LaneBits done_at(Bytes bytes, std::size_t at, std::size_t lanes) {
 }
 
 std::optional<GroupStatus> status_in(Bytes b) {
-  if (b.size() < kStatusHead || b[18] > kMaxLanes || b.size() != kStatusHead + bytes_of(b[18])) return std::nullopt;
+  if (b.size() < kStatusHead || b[kStatusHead - 1] > kMaxLanes) return std::nullopt;
+  const std::size_t told = kStatusHead + bytes_of(b[kStatusHead - 1]);
+  if (b.size() <= told || b[told] > kMostTold || b.size() != told + 1 + kObstacle * b[told]) return std::nullopt;
   GroupStatus s;
   s.from = b[4];
   s.number = static_cast<std::uint16_t>(number_at(b, 5, 2));
   s.place_W = {place_at(b, 7), place_at(b, 9)};
-  s.sigma_m = kPlaceStep_m * b[11];
-  s.lane = unless_none(b[12]);
-  s.stations = b[13];
-  s.leader = unless_none(b[14]);
-  s.version = static_cast<std::uint16_t>(number_at(b, 15, 2));
-  s.over = (b[17] & 1U) != 0;
-  s.backwards = (b[17] & 2U) != 0;
-  s.lanes = b[18];
+  s.lane = unless_none(b[11]);
+  s.stations = b[12];
+  s.leader = unless_none(b[13]);
+  s.version = static_cast<std::uint16_t>(number_at(b, 14, 2));
+  s.over = (b[16] & 1U) != 0;
+  s.backwards = (b[16] & 2U) != 0;
+  s.ready = (b[16] & 4U) != 0;
+  if ((b[16] & 8U) != 0) s.begin_s = static_cast<std::uint16_t>(number_at(b, 17, 2));
+  s.lanes = b[19];
   s.done = done_at(b, kStatusHead, s.lanes);
+  for (std::size_t i = 0; i < b[told]; ++i) s.obstacles.push_back(obstacle_at(b, told + 1 + kObstacle * i));
   return s;
 }
 
@@ -82,14 +96,24 @@ FrameBytes to_bytes(const GroupStatus& s) {
   put(out, s.number, 2);
   put(out, place_word(s.place_W.x()), 2);
   put(out, place_word(s.place_W.y()), 2);
-  out.push_back(static_cast<std::uint8_t>(std::clamp(std::ceil(s.sigma_m / kPlaceStep_m), 0.0, 255.0)));
   out.push_back(s.lane.value_or(kNone));
   out.push_back(s.stations);
   out.push_back(s.leader.value_or(kNone));
   put(out, s.version, 2);
-  out.push_back(static_cast<std::uint8_t>((s.over ? 1U : 0U) | (s.backwards ? 2U : 0U)));
+  out.push_back(static_cast<std::uint8_t>((s.over ? 1U : 0U) | (s.backwards ? 2U : 0U) | (s.ready ? 4U : 0U) |
+                                          (s.begin_s ? 8U : 0U)));
+  put(out, s.begin_s.value_or(0), 2);
   out.push_back(s.lanes);
   put(out, s.done, static_cast<int>(bytes_of(s.lanes)));
+  const std::size_t told = std::min(s.obstacles.size(), kMostTold);
+  out.push_back(static_cast<std::uint8_t>(told));
+  for (const ObstacleWord& o : std::span(s.obstacles).first(told)) {
+    out.push_back(o.key);
+    put(out, place_word(o.centre_W.x()), 2);
+    put(out, place_word(o.centre_W.y()), 2);
+    out.push_back(size_word(o.radius_m));
+    out.push_back(size_word(o.sigma_m));
+  }
   return checked(std::move(out));
 }
 
@@ -110,7 +134,7 @@ FrameBytes to_bytes(const GroupPlan& p) {
 bool is_of_group(Bytes bytes) { return bytes.size() >= 2 && bytes[0] == 'I' && bytes[1] == 'G'; }
 
 std::optional<std::variant<GroupStatus, GroupPlan>> group_word_of(Bytes bytes) {
-  if (!is_of_group(bytes) || bytes.size() < kGroupHead + kCheck || bytes[2] != 1) return std::nullopt;
+  if (!is_of_group(bytes) || bytes.size() < kGroupHead + kCheck || bytes[2] != 2) return std::nullopt;
   const Bytes all = bytes.first(bytes.size() - kCheck);
   if (number_at(bytes, all.size(), kCheck) != (crc32(all) & 0xffffU)) return std::nullopt;
   if (bytes[3] == kStatus) {

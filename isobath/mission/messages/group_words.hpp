@@ -5,14 +5,16 @@
 // changes nothing. A status has a number that rises with each packet of its vehicle; a plan has the version of its
 // leader. What was done (lanes that were sailed) only ever grows, so that it may be merged from any packet.
 //
-// Layout, little endian: "IG", version 1, kind (1), sender (1), then
-//   status  number (2), north and east (2 each, in half metres), sigma (1, in half metres), lane (1; 255: none),
-//   stations
-//           of it that were visited (1), plan's leader (1; 255: no plan) and version (2), flags (1; bit 0: over, bit 1:
-//           from the last station on), lanes (1), lanes done (one bit each)
+// Layout, little endian: "IG", version 2, kind (1), sender (1), then
+//   status  number (2), north and east (2 each, in half metres), lane (1; 255: none), stations of it that were visited
+//           (1), plan's leader (1; 255: no plan) and version (2), flags (1; bit 0: over, bit 1: from the last station
+//           on, bit 2: ready, bit 3: a time to begin is agreed), this time (2, whole seconds since 1970, lower bits),
+//           lanes (1), lanes done (one bit each), obstacles (1; at most kMostTold), and for each of them key (1), north
+//           and east (2 each, in half metres), radius and sigma (1 each, in quarters of a metre, rounded up)
 //   plan    version (2), flags (1; bit 0: ascending), lanes (1), lanes done (one bit each), owners (4 bits a lane;
 //           15: none)
-// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a status has 24 bytes, and so has a plan. Input is
+// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a plan has 24 bytes, a status 26 and 7 more for
+// each obstacle that it tells of. Input is
 // untrusted: anything else is no packet.
 #pragma once
 
@@ -28,19 +30,32 @@ namespace isobath {
 using LaneBits = std::uint64_t;
 static_assert(kMaxLanes <= 64);
 
+inline constexpr std::size_t kMostTold = 8;
+
+/// An obstacle that the sender's own sonar has seen.
+struct ObstacleWord {
+  std::uint8_t key = 0;                                ///< the lower bits of RememberedObstacle::id
+  Eigen::Vector2d centre_W = Eigen::Vector2d::Zero();  ///< m, to half a metre
+  double radius_m = 0;                                 ///< of a circle about it, with the rounding of the place
+  double sigma_m = 0;                                  ///< of its place by the sender's navigation, an axis
+  bool operator==(const ObstacleWord&) const = default;
+};
+
 struct GroupStatus {
   std::uint8_t from = 0;  ///< index of the vehicle in the group
   std::uint16_t number = 0;
   Eigen::Vector2d place_W = Eigen::Vector2d::Zero();  ///< m, to half a metre
-  double sigma_m = 0;                                 ///< of the place, to half a metre
   std::optional<std::uint8_t> lane;                   ///< that it is sailing
   std::uint8_t stations = 0;                          ///< of this lane that it has visited
   bool backwards = false;                             ///< whether these are the last ones of the lane
   std::optional<std::uint8_t> leader;                 ///< whose plan it follows
   std::uint16_t version = 0;                          ///< of that plan
   bool over = false;                                  ///< its mission has ended; it will sail no more lanes
+  bool ready = false;                                 ///< it waits at its first lane for the others
+  std::optional<std::uint16_t> begin_s;               ///< when all begin together: the lower bits of the second
   std::uint8_t lanes = 0;                             ///< of the area
   LaneBits done = 0;
+  std::vector<ObstacleWord> obstacles;  ///< at most kMostTold
   bool operator==(const GroupStatus&) const = default;
 };
 

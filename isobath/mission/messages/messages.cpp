@@ -13,6 +13,16 @@ const char* to_text(MissionPhase phase) {
   return "";
 }
 
+const char* to_text(MissionOrder::Kind kind) {
+  switch (kind) {
+    case MissionOrder::Kind::kStart: return "start";
+    case MissionOrder::Kind::kHold: return "hold";
+    case MissionOrder::Kind::kResume: return "resume";
+    case MissionOrder::Kind::kAbort: return "abort";
+  }
+  return "";
+}
+
 const char* to_text(RouteRefused::Reason reason) {
   switch (reason) {
     case RouteRefused::Reason::kStartBlocked: return "the vehicle is inside an obstacle";

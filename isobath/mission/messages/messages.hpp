@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/map/occupancy/obstacle_memory.hpp>
+#include <isobath/mission/plan/command_level.hpp>
 #include <isobath/mission/plan/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/planning/hazard_map.hpp>
@@ -66,6 +67,11 @@ struct GroupHazards {
   std::vector<Hazard> hazards;
 };
 
+/// Commodore -> FLS Detector: obstacles that other vehicles of the group have seen.
+struct GroupObstacles {
+  std::vector<ToldObstacle> obstacles;
+};
+
 // WorldSnapshot (planning/world_snapshot.hpp), maps -> all agents: all maps from now on; replaces the one before.
 
 /// Quality of one ping, sent as soon as the ping arrives.
@@ -114,6 +120,7 @@ struct MissionOrder {
   MissionEnd end = MissionEnd::kHold;  ///< how the mission ends, with kAbort
   std::string why;
 };
+const char* to_text(MissionOrder::Kind kind);
 
 /// Captain -> Executive Officer: a point has moved (S6-65).
 struct PointMoved {
@@ -135,7 +142,8 @@ struct RouteRequest {
   std::uint32_t id = 0;
   std::size_t point = 0;  ///< index in the plan
   MissionPoint target;
-  bool last = false;  ///< no other point follows
+  bool last = false;                           ///< no other point follows
+  std::optional<Eigen::Vector2d> then_W = {};  ///< the next point, if the vehicle goes on to it without a stop
 };
 
 /// Navigator -> Executive Officer. Replaces the rest of the route before.
@@ -143,8 +151,9 @@ struct RoutePlanned {
   std::uint32_t request = 0;
   std::uint32_t version = 0;
   std::vector<Waypoint> waypoints;
-  bool avoiding = false;  ///< the route goes round an obstacle
-  std::string why;        ///< names obstacle, leg and margin
+  bool avoiding = false;                       ///< the route goes round an obstacle
+  std::string why;                             ///< names obstacle, leg and margin
+  std::optional<Eigen::Vector2d> then_W = {};  ///< where the route to the next point will first lead
 };
 
 /// Navigator -> Executive Officer, Captain: there is no route to this point.
@@ -187,6 +196,7 @@ struct FollowOrder {
   std::vector<Waypoint> waypoints;
   std::optional<double> altitude_m;
   bool surface = false;
+  std::optional<Eigen::Vector2d> then_W = {};  ///< where it will go on after the last way-point; empty: it stops there
 };
 
 /// Navigator -> Goal Selector: all hazards that lie still, in W, at each cycle in which one moves. Not while the route
@@ -220,6 +230,13 @@ struct WaypointPassed {
 /// Pilot -> vehicle, unless the Safety Officer's action overrides it.
 struct HelmOrder {
   Setpoint setpoint;
+};
+
+/// Captain, Commodore, Executive Officer, Navigator, Pilot -> recording and page: this level of command has planned.
+struct LevelPlan {
+  CommandLevel level = CommandLevel::kMission;
+  double horizon_s = 0;  ///< how far ahead the plan reaches; 0: there is nothing to plan
+  bool changed = false;  ///< it differs from the plan before
 };
 
 // Safety Officer -----------------------------------------------------------------------------------------------------
@@ -326,9 +343,9 @@ std::string to_text(const Decision& decision);
 
 using Message =
     std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
-                 GroupHazards, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest, RoutePlanned,
-                 RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder, WaypointPassed,
-                 HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan,
-                 Decision, WorldSnapshot, LinkFrame>;
+                 GroupHazards, GroupObstacles, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest,
+                 RoutePlanned, RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder,
+                 WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid,
+                 TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame, LevelPlan>;
 
 }  // namespace isobath

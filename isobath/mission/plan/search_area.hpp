@@ -29,6 +29,7 @@ struct SearchArea {
   double spacing_m = 10;                             ///< greatest distance between two lanes
   double station_m = 30;                             ///< greatest distance between two stations of a lane
   double run_out_m = 6;                              ///< of a lane beyond the area, at both ends; 0: none
+  double together_s = 0;  ///< how long the vehicles of a group wait for one another at their first lanes; 0: not at all
   double depth_m = 1;
   double drop_distance_m = 4;  ///< an obstacle that is nearer to a station blocks it
 
@@ -38,7 +39,7 @@ struct SearchArea {
   [[nodiscard]] std::size_t stations() const;
   /// Where a station lies on its lane, as a share of the lane's length.
   [[nodiscard]] double share_of_station(std::size_t station) const;
-  /// Of all lanes.
+  /// The stations of all lanes together.
   [[nodiscard]] std::size_t all_stations() const { return lanes() * stations(); }
   /// Whether a station of a lane lies beyond the area.
   [[nodiscard]] bool is_run_out(std::size_t station) const {
@@ -48,6 +49,8 @@ struct SearchArea {
 };
 
 inline constexpr double kWaitingCircle_m = 12;  ///< radius of the water in which a vehicle circles while it waits
+inline constexpr double kAtWaitingPlace_m =
+    1.5 * kWaitingCircle_m;  ///< a vehicle that is nearer to its place waits there
 
 struct Lane {
   Eigen::Vector2d from_W, to_W;
