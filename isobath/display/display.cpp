@@ -2,6 +2,7 @@
 #include <cmath>
 #include <isobath/display/decision_json.hpp>
 #include <isobath/display/display.hpp>
+#include <isobath/mission/messages/group_words.hpp>
 #include <isobath/display/display_bytes.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -159,6 +160,16 @@ void Display::on_scan(const ScanResult& scan) {
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
 
+/// Another vehicle of the group, as it tells where it is.
+void Display::show_partner(Time time, const LinkFrame& frame) {
+  const auto word = group_word_of(frame.bytes);
+  const auto* status = word ? std::get_if<GroupStatus>(&*word) : nullptr;
+  if (status == nullptr) return;
+  ordered_json json{{"at", point_json(status->place_W)}, {"over", status->over}};
+  if (status->lane) json["lane"] = *status->lane + 1;
+  items_.set(DisplayKind::kPartner, status->from, time, display_text(json));
+}
+
 void Display::on_message(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);
@@ -170,6 +181,8 @@ void Display::on_message(const Envelope& envelope) {
       then_W = obstacles_.predicted(decision->obstacle_number, then);
     }
     items_.set(DisplayKind::kDecision, decision->number, time, decision_json(*decision, then_W));
+  } else if (const auto* frame = std::get_if<LinkFrame>(&envelope.message)) {
+    if (frame->way == LinkFrame::Way::kFromGroup) show_partner(time, *frame);
   } else if (const auto* route = std::get_if<RoutePlanned>(&envelope.message)) {
     way_ = *route;
     show_way(time);

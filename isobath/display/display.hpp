@@ -97,6 +97,7 @@ class Display : public ResultSink {
   };
   void add_to_track(Time time, const Eigen::Vector3d& place);
   void show_vehicle(const Navigation& fix);
+  void show_partner(Time time, const LinkFrame& frame);
   void show_way(Time time);
 
   DisplayState& items_;

@@ -45,8 +45,9 @@ enum class DisplayKind : std::uint8_t {
   kSphere,
   kSounds,
   kLevels,
+  kPartner,
 };
-inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kLevels;
+inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kPartner;
 
 /// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
 /// readers that ask for them, and nothing waits for them.

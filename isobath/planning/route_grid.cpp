@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/planning/route_grid.hpp>
 #include <utility>
 
@@ -12,6 +13,7 @@ using Eigen::Vector2d;
 constexpr int kAround = 3;             // cells that a window adds around all that matters
 constexpr double kTouch = 1e-9;        // m
 constexpr double kEscapeFactor = 4;    // extra cost of a metre that is too near
+constexpr double kShut = 1e6;          // factor of a cell that no path may cross
 constexpr std::uint16_t kFar = 30000;  // thirds of a cell
 
 /// The lines through cell centres along one step, in units of cells: line m holds the centres (column, row) =
@@ -106,6 +108,7 @@ RouteWindow RouteWindow::around(const Vector2d& start, const Vector2d& goal, con
   for (double cell = extent.cell_m;; cell *= 2) {
     AlignedBox2d all = ends;
     if (!map.bounds().isEmpty()) all.extend(grown(map.bounds(), extent.reach_m));
+    if (!extent.more.isEmpty()) all.extend(extent.more);
     all = grown(all, kAround * cell);
     const AlignedBox2d near = grown(ends, std::max(extent.margin_m, kAround * cell));
     const AlignedBox2d box = all.intersection(near);
@@ -258,6 +261,28 @@ void RouteGrid::prefer_room(double band_m, double weight) {
     }
     const double beyond = thirds[i] * window_.cell_m / 3;
     factor_[i] = 1 + weight * std::max(0.0, 1 - beyond / band_m);
+  }
+}
+
+void RouteGrid::add_cost(const Vector2d& centre, double radius_m, double extra) {
+  for (std::size_t i = 0; i < factor_.size(); ++i) {
+    factor_[i] += extra * std::max(0.0, 1 - (window_.centre(i) - centre).norm() / radius_m);
+  }
+}
+
+void RouteGrid::close_beyond(const Vector2d& from, const Vector2d& to, double width_m) {
+  const auto is_out = [&](std::size_t cell) {
+    const Vector2d p = window_.centre(cell);
+    return (nearest_on_segment(from, to, p) - p).norm() > width_m;
+  };
+  for (std::size_t i = 0; i < factor_.size(); ++i) {
+    if (!is_out(i)) continue;
+    open_[i] = 0;
+    factor_[i] = kShut;
+    for (std::size_t step = 0; step < kGridSteps.size(); ++step) {
+      const auto beside = neighbour(i, step);
+      if (beside) open_[*beside] &= static_cast<std::uint8_t>(~(1u << opposite(step)));
+    }
   }
 }
 

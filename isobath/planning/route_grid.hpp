@@ -27,8 +27,9 @@ inline constexpr double kMaxRouteCells = 0x1p20;
 struct RouteWindow {
   struct Extent {
     double cell_m = 1;
-    double margin_m = 30;  ///< around start and goal
-    double reach_m = 0;    ///< around hazards, beyond their margins
+    double margin_m = 30;           ///< around start and goal
+    double reach_m = 0;             ///< around hazards, beyond their margins
+    Eigen::AlignedBox2d more = {};  ///< what matters beside hazards
   };
   /// The box of both ends with a margin, but no larger than the box of ends and hazards, which is all that can matter;
   /// `whole` says whether it is all of that. The start is the centre of a cell. Cells are larger where there would be
@@ -57,6 +58,10 @@ class RouteGrid {
   static RouteGrid coarse(const HazardMap& map, const RouteWindow& window, double reach_m, bool cut_corners);
 
   void prefer_room(double band_m, double weight);
+  /// Adds `extra` to the factor at the centre of a circle, less towards its rim.
+  void add_cost(const Eigen::Vector2d& centre, double radius_m, double extra);
+  /// Closes all cells farther than `width_m` from a segment.
+  void close_beyond(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_m);
   /// Lets a vehicle that is too near to a hazard leave: opens steps from `start`, and on from blocked cells, that come
   /// nowhere nearer to a hazard than the start is. Blocked cells are expensive, so that the vehicle leaves soon.
   /// Reaches as far as `far_m`.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/planning/grid_search.hpp>
 #include <isobath/planning/route_grid.hpp>
 #include <isobath/planning/route_planner.hpp>
@@ -47,7 +48,16 @@ class Router {
         config_(config),
         need_(task.half_width_m + config.clearance_m + kKept),
         target_(task.goal),
-        at_start_(map.distance(task.start)) {}
+        at_start_(map.distance(task.start)) {
+    for (const CostlyArea& area : task.costly) {
+      const Vector2d radius = Vector2d::Constant(area.radius_m);
+      costly_.extend(AlignedBox2d(area.centre - radius, area.centre + radius));
+      widest_ = std::max(widest_, area.radius_m);
+    }
+    if (task.corridor) {
+      corridor_m_ = std::max(task.corridor->width_m, off_line(task.start) + config.cell_m) + kKept;
+    }
+  }
 
   Result<RoutePath, RouteRefusal> exact();
   Result<RoutePath, RouteRefusal> coarse();
@@ -57,7 +67,18 @@ class Router {
   Result<Found, RouteRefusal> search(RouteGrid& grid, double need);
   [[nodiscard]] std::optional<std::size_t> goal_cell(const RouteGrid& grid, double need) const;
   [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const {
-    return RouteWindow::around(task_.start, target_, map_, {config_.cell_m, margin, reach}, whole);
+    return RouteWindow::around(task_.start, target_, map_, {config_.cell_m, margin, reach, costly_}, whole);
+  }
+  void add_wishes(RouteGrid& grid) const;
+  [[nodiscard]] double cost_of(const Way& way) const;
+  [[nodiscard]] bool is_costly(const Vector2d& a, const Vector2d& b) const;
+  /// Distance from the line of the corridor.
+  [[nodiscard]] double off_line(const Vector2d& p) const {
+    return (nearest_on_segment(task_.corridor->from, task_.corridor->to, p) - p).norm();
+  }
+  [[nodiscard]] bool stays_in_corridor(const Way& way) const {
+    return !task_.corridor ||
+           std::ranges::all_of(way, [this](const Vector2d& p) { return off_line(p) <= corridor_m_; });
   }
   Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
   [[nodiscard]] Vector2d near_target(double reach) const;
@@ -75,6 +96,9 @@ class Router {
   Vector2d target_;  ///< of the search: the goal, or a place on the way there beyond all hazards
   double at_start_;  ///< distance of the start to a hazard
   std::int64_t expanded_ = 0;
+  AlignedBox2d costly_;  ///< all costly areas
+  double widest_ = 0;    ///< radius of the largest of them
+  double corridor_m_ = 0;
   bool shut_in_ = false;  ///< the last search could not leave its window
 };
 
@@ -95,30 +119,63 @@ Result<RoutePath, RouteRefusal> Router::exact() {
       if (share > 0) break;
       return tl::unexpected(found.error());
     }
+    if (!stays_in_corridor(found->way)) return tl::unexpected(RouteRefusal::kNoPath);
     if (!config_.smooth) return finished(found->way);
     auto way = turned(found->way);
     if (!way) continue;
     const double half_a_circle = std::numbers::pi * task_.turning_radius_m;
-    if (length_of(*way) <= length_of(found->way) + half_a_circle) return finished(std::move(*way));
-    if (!circling || length_of(*way) < length_of(*circling)) circling = std::move(way);
+    if (cost_of(*way) <= cost_of(found->way) + half_a_circle) return finished(std::move(*way));
+    if (!circling || cost_of(*way) < cost_of(*circling)) circling = std::move(way);
   }
   // 3. a path made of arcs and straight legs
   auto way = of_arcs();
-  if (circling && (!way || length_of(*circling) < length_of(*way))) way = std::move(circling);
+  if (circling && (!way || cost_of(*circling) < cost_of(*way))) way = std::move(circling);
   if (!way) return tl::unexpected(RouteRefusal::kCannotTurn);
   return finished(std::move(*way));
 }
 
+/// What the path is to prefer, and the corridor that it may not leave.
+void Router::add_wishes(RouteGrid& grid) const {
+  grid.prefer_room(band(), config_.room_weight);
+  for (const CostlyArea& area : task_.costly) grid.add_cost(area.centre, area.radius_m, area.extra);
+  if (task_.corridor) grid.close_beyond(task_.corridor->from, task_.corridor->to, corridor_m_);
+}
+
+/// Its length, and what the costly areas add.
+double Router::cost_of(const Way& way) const {
+  constexpr double kPiece = 0.5;  // m
+  double cost = length_of(way);
+  for (std::size_t i = 1; i < way.size() && !task_.costly.empty(); ++i) {
+    const Vector2d leg = way[i] - way[i - 1];
+    const int pieces = static_cast<int>(std::clamp(std::ceil(leg.norm() / kPiece), 1.0, 1e6));
+    for (int k = 0; k < pieces; ++k) {
+      const Vector2d p = way[i - 1] + (k + 0.5) / pieces * leg;
+      for (const CostlyArea& area : task_.costly) {
+        const double share = std::max(0.0, 1 - (p - area.centre).norm() / area.radius_m);
+        cost += leg.norm() / pieces * area.extra * share;
+      }
+    }
+  }
+  return cost;
+}
+
+bool Router::is_costly(const Vector2d& a, const Vector2d& b) const {
+  return std::ranges::any_of(task_.costly, [&](const CostlyArea& area) {
+    return area.extra > 0 && (nearest_on_segment(a, b, area.centre) - area.centre).norm() < area.radius_m;
+  });
+}
+
 Result<Found, RouteRefusal> Router::find(double need) {
-  if (at_start_ >= need && map_.leg_distance(task_.start, task_.goal) >= need + band()) {
+  if (!is_costly(task_.start, task_.goal) && at_start_ >= need &&
+      map_.leg_distance(task_.start, task_.goal) >= need + band()) {
     return Found{{task_.start, task_.goal}, 0};
   }
   target_ = near_target(need + band());
   bool whole = false;
   RouteRefusal last = RouteRefusal::kNoPath;
-  for (double margin = config_.margin_m; !whole; margin = kGrowth * margin + config_.cell_m) {
+  for (double margin = config_.margin_m + widest_; !whole; margin = kGrowth * margin + config_.cell_m) {
     RouteGrid grid = RouteGrid::exact(map_, window(margin, need + band(), whole), need);
-    grid.prefer_room(band(), config_.room_weight);
+    add_wishes(grid);
     auto found = search(grid, need);
     if (found) {
       if (config_.smooth) {
@@ -209,8 +266,9 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
 /// are wide, from which the rest of that line is free. This affects only the cost of paths on another side of all
 /// hazards.
 Vector2d Router::near_target(double reach) const {
-  if (map_.bounds().isEmpty()) return task_.goal;
   AlignedBox2d all = map_.bounds();
+  if (!costly_.isEmpty()) all.extend(costly_);
+  if (all.isEmpty()) return task_.goal;
   all.extend(task_.start);
   const Vector2d beyond = Vector2d::Constant(reach + all.diagonal().norm() + config_.margin_m);
   all = AlignedBox2d(all.min() - beyond, all.max() + beyond);
@@ -234,7 +292,7 @@ bool Router::keeps(const Vector2d& a, const Vector2d& b, double more_m) const {
 
 bool Router::can_be_turned(const Way& way) const {
   const double radius = task_.turning_radius_m;
-  if (!corners_fit(way, radius)) return false;
+  if (!corners_fit(way, radius) || !stays_in_corridor(way)) return false;
   for (std::size_t i = 1; i < way.size(); ++i) {
     if (!keeps(way[i - 1], way[i], 0)) return false;
   }
@@ -248,7 +306,7 @@ bool Router::can_be_turned(const Way& way) const {
 }
 
 /// The path as the vehicle can follow it: unchanged, or with a turn at its start towards one of its points; the
-/// shortest.
+/// cheapest.
 std::optional<Way> Router::turned(const Way& way) const {
   const double radius = task_.turning_radius_m;
   if (radius == 0) return way;
@@ -262,9 +320,9 @@ std::optional<Way> Router::turned(const Way& way) const {
       Way candidate = {task_.start};
       candidate.insert(candidate.end(), corners->begin(), corners->end());
       candidate.insert(candidate.end(), way.begin() + static_cast<std::ptrdiff_t>(target), way.end());
-      const double length = length_of(candidate);
-      if (length >= least || !can_be_turned(candidate)) continue;
-      least = length;
+      const double cost = cost_of(candidate);
+      if (cost >= least || !can_be_turned(candidate)) continue;
+      least = cost;
       best = std::move(candidate);
     }
   }
@@ -275,7 +333,7 @@ std::optional<Way> Router::of_arcs() const {
   bool whole = false;
   const double radius = task_.turning_radius_m;
   RouteGrid grid = RouteGrid::exact(map_, window(std::max(config_.margin_m, 4 * radius), need_ + band(), whole), need_);
-  grid.prefer_room(band(), config_.room_weight);
+  add_wishes(grid);
   const TurningTask turning{task_.start, task_.heading, target_, radius};
   auto way = search_turning(grid, turning, [this](const Vector2d& a, const Vector2d& b) { return keeps(a, b, 0); });
   if (!way) return std::nullopt;
@@ -294,6 +352,7 @@ std::optional<Way> Router::of_arcs() const {
       Way without = *way;
       without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
       if (!starts_ahead(without[1]) || !can_be_turned(without)) continue;
+      if (cost_of(without) > cost_of(*way) + kTouch) continue;
       way = std::move(without);
       fewer = true;
     }

@@ -11,6 +11,9 @@
 // band = wished - clearance. Where there is room the path keeps off, at a detour of at most a share w. Every step costs
 // at least its length, so that the heuristic stays consistent.
 //
+// Costly areas add to the cost of a metre in them; a corridor bounds how far the path may lead from a straight line
+// (S2-14, S2-15). kCoarse knows neither.
+//
 // A start nearer than the clearance may leave, by a path that comes nowhere nearer than the start is (S6-50). A start
 // within an outline itself is refused, kStartBlocked: map.distance(start) says how deep it is. The search window is the
 // box of start and goal with a margin; it grows until there is a path or it holds all hazards. Water that no hazard
@@ -58,12 +61,27 @@ enum class RouteRefusal : std::uint8_t {
 };
 const char* to_text(RouteRefusal refusal);
 
+/// A circle in which a metre costs more, by this share at the centre, falling linearly to 0 at the radius.
+struct CostlyArea {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double radius_m = 0;
+  double extra = 0;
+};
+
+/// The path stays within this distance of a segment, or as near to it as its start is.
+struct RouteCorridor {
+  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
+  double width_m = 0;  ///< to each side
+};
+
 struct RouteTask {
   Eigen::Vector2d start = Eigen::Vector2d::Zero();
   std::optional<double> heading = {};  ///< at the start, from x towards y; empty: any
   Eigen::Vector2d goal = Eigen::Vector2d::Zero();
   double half_width_m = 0.5;
   double turning_radius_m = 0;
+  std::vector<CostlyArea> costly = {};
+  std::optional<RouteCorridor> corridor = {};
 };
 
 struct RoutePath {

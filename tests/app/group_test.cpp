@@ -17,7 +17,8 @@ namespace {
 using testing::HasSubstr;
 
 /// Two vehicles over four lanes of 40 m, with a sonar that takes little time.
-std::filesystem::path scene(const std::filesystem::path& folder, const std::string& bravo = "") {
+std::filesystem::path scene(const std::filesystem::path& folder, const std::string& bravo = "",
+                            const std::string& more = "") {
   const std::string vehicle = (test::source_folder() / "vehicles/remus100.toml").string();
   return test::write(folder / "group.toml", fmt::format(R"([scene]
 title = "A group"
@@ -49,8 +50,9 @@ preset = "oculus_m750d"
 range_m = 30
 bins = 60
 interval_s = 1
+{}
 )",
-                                                        vehicle, bravo));
+                                                        vehicle, bravo, more));
 }
 
 // ledger: S2-10 S2-50 S2-51
@@ -108,6 +110,111 @@ TEST(Group, TakesOverTheShareOfAVehicleThatIsLost) {
   const std::string decisions = test::content_of(folder / "out/alpha/decisions.json");
   EXPECT_THAT(decisions, HasSubstr("bravo was not heard for 60 s"));
   EXPECT_THAT(decisions, HasSubstr("all 4 lanes are done"));
+}
+
+// A pole that the sonar of alpha cannot reach from its lanes: alpha knows it from bravo. ledger: S2-50 S2-51
+TEST(Group, TellsOneAnotherOfObstacles) {
+  const auto folder = test::scratch_folder();
+  const auto file =
+      scene(folder, "", "[[cylinder]]\nname = \"pole\"\ncentre = [20, 60, 12]\nradius = 1\nlength = 25\n");
+  test::isobath({"run", file.string(), "--out", (folder / "out").string(), "--set", "simulation.duration_s=120"});
+  const std::string alpha = test::content_of(folder / "out/alpha/decisions.json");
+  EXPECT_THAT(alpha, testing::ContainsRegex("bravo has seen an obstacle at north (1|2)[0-9.]*, east (5|6)"));
+  const auto silent = test::isobath({"run", file.string(), "--out", (folder / "silent").string(), "--set",
+                                     "simulation.duration_s=60", "--set", "commodore.told_obstacles=0"});
+  EXPECT_THAT(test::content_of(folder / "silent/alpha/decisions.json"),
+              testing::Not(HasSubstr("has seen an obstacle")));
+}
+
+/// A cheap scene: two vehicles with sonars of one beam.
+std::filesystem::path cheap_scene(const std::filesystem::path& folder, double together_s) {
+  return test::write(folder / "cheap.toml",
+                     fmt::format(R"([scene]
+title = "Two beams"
+duration_s = 400
+[bottom]
+kind = "flat"
+depth = 25
+[vehicle]
+name = "alpha"
+file = "{}"
+dynamic = true
+start = [-15, 15, 12]
+[[group_vehicle]]
+name = "bravo"
+start = [-60, 45, 12]
+[acoustic_link]
+loss = 0.1
+[navigation]
+kind = "drift"
+[search_area]
+length_m = 80
+breadth_m = 60
+spacing_m = 15
+depth_m = 12
+together_s = {}
+[[sonar]]
+preset = "obstacle_cone"
+interval_s = 1
+)",
+                                 (test::source_folder() / "vehicles/remus100.toml").string(), together_s));
+}
+
+/// When a vehicle first decides this, s.
+double decided_s(const std::filesystem::path& out, const char* vehicle, const std::string& what) {
+  for (const auto& decision : test::json_of(out / vehicle / "decisions.json")["decisions"]) {
+    if (decision["what"] == what) return 1e-9 * decision["time_ns"].get<double>();
+  }
+  return -1;
+}
+
+// Planned apart, two vehicles that start at different distances begin their lanes at one time; where they wait too
+// short a time, the first one begins alone. ledger: S2-19
+TEST(Group, BeginsItsLanesTogether) {
+  const auto folder = test::scratch_folder();
+  for (const double together_s : {200.0, 20.0}) {
+    const auto out = folder / fmt::format("{:g}", together_s);
+    test::isobath(
+        {"run", cheap_scene(folder, together_s).string(), "--out", out.string(), "--set", "simulation.duration_s=150"});
+    if (together_s > 100) {
+      EXPECT_GT(decided_s(out, "alpha", "begin together"), 30);
+      EXPECT_EQ(decided_s(out, "alpha", "begin together"), decided_s(out, "bravo", "begin together"));
+    } else {
+      EXPECT_LT(decided_s(out, "alpha", "begin alone"), 22);
+    }
+  }
+}
+
+// Each level plans at least as often as the timing table says. A table with other intervals is followed, one that
+// departs from the rules is told, and one that cannot be kept is refused. ledger: S2-25 S2-38 S2-41 S2-E04 S2-E05
+TEST(Group, PlansByTheTimingTable) {
+  const auto folder = test::scratch_folder();
+  const auto file = cheap_scene(folder, 0);
+  const auto run = [&](const std::vector<std::string>& settings) {
+    std::vector<std::string> words{
+        "run", file.string(), "--out", (folder / "out").string(), "--set", "simulation.duration_s=100"};
+    for (const std::string& setting : settings) words.insert(words.end(), {"--set", "timing." + setting});
+    return test::isobath(words);
+  };
+  EXPECT_THAT(run({}).err, testing::Not(HasSubstr("timing")));
+  for (const char* vehicle : {"alpha", "bravo"}) {
+    const auto levels = test::json_of(folder / "out" / vehicle / "mission.json")["levels"];
+    ASSERT_EQ(levels.size(), 6u);
+    for (const auto& level : levels) EXPECT_EQ(level["in_time"], true) << level.dump();
+    EXPECT_EQ(levels[2]["longest_replan_s"], 60);
+    EXPECT_EQ(levels[5]["longest_interval_s"], 0.6);
+  }
+  const auto printed = run({"group_horizon_s=3000", "mission_replan_s=50", "mission_horizon_s=200", "group_replan_s=12",
+                            "vehicle_replan_s=3", "move_replan_s=1", "primitive_replan_s=0.4", "servo_replan_s=0.1"});
+  EXPECT_THAT(printed.err, HasSubstr("plans of the group level reach 3000 s ahead, 100 s by the rule"));
+  const auto levels = test::json_of(folder / "out/bravo/mission.json")["levels"];
+  EXPECT_LE(levels[1]["longest_replan_s"].get<double>(), 12.05);
+  EXPECT_LE(levels[2]["longest_replan_s"].get<double>(), 3.05);
+  EXPECT_EQ(levels[5]["in_time"], false) << "set-points change at 0.6 s";
+  const auto refused = run({"move_replan_s=100"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err,
+              HasSubstr("the move level plans every 100 s, no more often than the vehicle level above it"));
 }
 
 /// The commands of a recording by their numbers, and those to the actuators.

@@ -1,6 +1,7 @@
 // isobath run with a mission, as a user meets it: what it says, what it leaves behind, and that it can be run again.
 #include <fmt/format.h>
 #include <gdal_priv.h>
+#include <map>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/sanitized.hpp>
@@ -224,6 +225,29 @@ TEST(Mission, WrongUseIsRefusedInOneLine) {
   const fs::path file = write(folder / "m.toml", "[mission]\nspeed = 1\n[[mission_point]]\nnorth = -1e9\n");
   EXPECT_THAT(test::isobath({"run", "--mission", file, "--out", folder / "out"}),
               ends_with_one_line(HasSubstr("m.toml:4:")));
+}
+
+// The same water, the same point: what the mission weighs decides on the way, and its decision states the parts of the
+// cost. ledger: S2-14 S2-E09
+TEST(Mission, WeighsStealthAgainstTime) {
+  const auto folder = test::scratch_folder();
+  const std::string text = test::content_of(test::source_folder() / "scenarios/watched_water.toml");
+  const std::string vehicles = (test::source_folder() / "vehicles").string();
+  std::map<double, std::string> reasons;
+  for (const double stealth : {0.0, 200.0}) {
+    std::string own = text;
+    own.replace(own.find("../vehicles"), 11, vehicles);
+    own.replace(own.find("stealth = 200"), 13, fmt::format("stealth = {}", stealth));
+    const auto file = test::write(folder / "watched.toml", own);
+    test::isobath({"run", file.string(), "--out", (folder / "out").string(), "--set", "simulation.duration_s=6"});
+    for (const auto& decision : test::json_of(folder / "out/decisions.json")["decisions"]) {
+      if (decision["agent"] == "navigator" && decision["what"] == "plan") reasons[stealth] = decision["reason"];
+    }
+  }
+  EXPECT_THAT(reasons[0], testing::HasSubstr("straight to far side"));
+  EXPECT_THAT(reasons[0], testing::ContainsRegex("cost 13[0-9] s: 13[0-9] s, detected with [5-7][0-9] %"));
+  EXPECT_THAT(reasons[200], testing::HasSubstr("going round"));
+  EXPECT_THAT(reasons[200], testing::ContainsRegex("detected with [0-9] %"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ class Script {
  public:
   explicit Script(Agent& agent) : agent_(agent) {}
 
-  /// What it says to this alone.
+  /// What it says to this alone, but for what it tells of its plans (LevelPlan), which says nothing new.
   std::vector<Message> hear(const Message& message, double s) {
     Outbox out;
     agent_.on_message(message, at(s), out);
@@ -29,6 +29,7 @@ class Script {
  private:
   std::vector<Message> keep(Outbox& out) {
     said.insert(said.end(), out.said().begin(), out.said().end());
+    std::erase_if(out.said(), [](const Message& one) { return std::holds_alternative<LevelPlan>(one); });
     return out.said();
   }
   Agent& agent_;

@@ -296,7 +296,9 @@ TEST_F(CommodoreTest, TellsTheOthersOfObstaclesNearTheirLanes) {
   script->hear(scan, now);
   std::map<int, int> tellings;
   for (const LinkFrame& frame : only<LinkFrame>(wait(300))) {
-    for (const ObstacleWord& o : std::get<GroupStatus>(group_word_of(frame.bytes).value()).obstacles) {
+    const auto word = group_word_of(frame.bytes);
+    ASSERT_TRUE(word && std::holds_alternative<GroupStatus>(*word));
+    for (const ObstacleWord& o : std::get<GroupStatus>(*word).obstacles) {
       ++tellings[o.key];
       EXPECT_NEAR(o.radius_m, std::sqrt(2.0) + 0.36, 0.25);
     }

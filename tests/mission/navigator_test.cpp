@@ -102,6 +102,49 @@ TEST_F(NavigatorTest, LeadsStraightToAPointWhereNothingIsInTheWayAsSoonAsItHasLo
   EXPECT_EQ(Vector2d(routes[0].waypoints[0].north, routes[0].waypoints[0].east), Vector2d(200, 40));
 }
 
+// Which way is taken depends on what the mission weighs, and the decision states what it costs. ledger: S2-14
+TEST_F(NavigatorTest, WeighsTimeAgainstTheRiskOfBeingDetected) {
+  for (const double stealth : {0.0, 200.0}) {
+    make();
+    script->said.clear();
+    MissionPlan plan;
+    plan.speed = 1;
+    plan.priorities.stealth = stealth;
+    plan.risks = {{.centre_W = {100, 10}, .radius_m = 50, .per_minute = 2}};
+    order(plan);
+    sail_from(0, 0);
+    scan({});
+    ask(point(200, 0));
+    const std::string why = only<Decision>(script->said).back().reason;
+    if (stealth == 0) {
+      EXPECT_EQ(way().size(), 2u);
+      EXPECT_NE(why.find("straight"), std::string::npos);
+      EXPECT_NE(why.find("cost 200 s: 200 s, detected with 7"), std::string::npos) << why;
+    } else {
+      EXPECT_GT(way().size(), 2u);
+      EXPECT_GT(sampled_distance(way(), square(100, 10, 0.01)), 40);
+      EXPECT_NE(why.find("going round"), std::string::npos);
+      EXPECT_NE(why.find("detected with "), std::string::npos);
+    }
+  }
+}
+
+// ledger: S2-15 S2-17
+TEST_F(NavigatorTest, ReachesAPointWithinItsDeviationOrSaysThatItCannot) {
+  const Polygon wall = {{49, -12}, {51, -12}, {51, 60}, {49, 60}};
+  MissionPoint target = point(100, 0);
+  target.deviation_m = 20;
+  sail_from(0, 0);
+  scan({wall});
+  ask(target);
+  ASSERT_GT(way().size(), 2u);
+  for (const Vector2d& p : way()) EXPECT_LE(std::abs(p.y()), 20.01);
+  target.deviation_m = 10;
+  const auto refused = only<RouteRefused>(ask(target));
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_NE(refused[0].why.find("no path within 10 m of the straight line"), std::string::npos) << refused[0].why;
+}
+
 // ledger: S3-21
 TEST_F(NavigatorTest, LeavesBodiesThatMoveToTheGoalSelectorWhileItSteersPastThem) {
   sail_from(0, 0);

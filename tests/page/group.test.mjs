@@ -58,6 +58,9 @@ test('each vehicle of a group has a page, which leads to the others and commands
   assert.equal(await bravo.textContent('#group a[aria-current="page"]'), 'bravo');
   await until(bravo, 12);
   assert.notEqual(await bravo.textContent('#now-position'), '');
+  assert.equal(await bravo.isVisible('label.layer:has(#layer-partners)'), false, 'alpha has not been heard yet');
+  await until(bravo, 25);
+  await bravo.waitForSelector('label.layer:has(#layer-partners):not([hidden])', { state: 'attached' });
   await bravo.click('#tab-health');
   await bravo.fill('#command-token', kToken);
   await bravo.click('#command-form button');

@@ -47,6 +47,67 @@ TEST(RoutePlanner, StraightWhereNothingIsInTheWay) {
   EXPECT_EQ(plan_route(HazardMap({}), from_to({0, 0}, {100, 0}), {})->clearance_m, INFINITY);
 }
 
+/// The integral of 1 + the extra cost of an area along a path.
+double cost_of(const Way& way, const CostlyArea& area) {
+  double cost = 0;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const Vector2d leg = way[i] - way[i - 1];
+    const int pieces = std::max(1, static_cast<int>(leg.norm() / 0.1));
+    for (int k = 0; k < pieces; ++k) {
+      const double away = (way[i - 1] + (k + 0.5) / pieces * leg - area.centre).norm();
+      cost += leg.norm() / pieces * (1 + area.extra * std::max(0.0, 1 - away / area.radius_m));
+    }
+  }
+  return cost;
+}
+
+// The dearer an area, the farther off its centre the path leads; never dearer than straight through, and no dearer than
+// the best of many paths round it. ledger: S2-14 S2-22 S2-23
+TEST(RoutePlanner, LeadsFartherRoundAnAreaTheDearerItIs) {
+  const HazardMap map({hazard(box(100, -60, 2, 2))});
+  for (const double radius : {0.0, 5.7}) {
+    double nearest_before = -1;
+    for (const double extra : {0.2, 1.0, 3.0, 10.0}) {
+      RouteTask task = from_to({0, 0}, {200, 0});
+      task.turning_radius_m = radius;
+      if (radius > 0) task.heading = 0;
+      task.costly = {{{100, 10}, 40, extra}};
+      const auto path = plan_route(map, task, {});
+      ASSERT_TRUE(path);
+      const double cost = cost_of(path->points, task.costly[0]);
+      double best = cost_of({task.start, task.goal}, task.costly[0]);
+      EXPECT_LE(cost, best + 1e-6);
+      for (double along = 30; along <= 100; along += 5) {
+        for (double off = -60; off <= 0; off += 1) {
+          best =
+              std::min(best, cost_of({task.start, {100 - along, off}, {100 + along, off}, task.goal}, task.costly[0]));
+        }
+      }
+      EXPECT_LT(cost, 1.02 * best) << extra;
+      const double nearest = sampled_clearance({hazard(box(100, 10, 0.01, 0.01))}, path->points, 0.1);
+      EXPECT_GE(nearest, nearest_before - 0.5);
+      nearest_before = nearest;
+    }
+    EXPECT_GT(nearest_before, 30) << radius;
+  }
+}
+
+// A wall whose nearer end is 12 m off the line: with 20 m of deviation there is a path, with 10 m there is none, and it
+// does not lead round the other end. ledger: S2-15
+TEST(RoutePlanner, StaysWithinItsCorridorOrSaysThatThereIsNoPath) {
+  const HazardMap map({hazard(box(50, 24, 1, 36))});
+  RouteTask task = from_to({0, 0}, {100, 0});
+  task.corridor = {{0, 0}, {100, 0}, 20};
+  const auto path = plan_route(map, task, {});
+  ASSERT_TRUE(path);
+  for (const Vector2d& p : path->points) EXPECT_LE(std::abs(p.y()), 20 + 1e-6);
+  EXPECT_FALSE(map.conflict(path->points, 0.5 + 3));
+  task.corridor->width_m = 10;
+  EXPECT_EQ(plan_route(map, task, {}).error(), RouteRefusal::kNoPath);
+  task.corridor.reset();
+  EXPECT_TRUE(plan_route(map, task, {}));
+}
+
 // ledger: S6-48 S6-52
 TEST(RoutePlanner, RoundAnObstacleAtTheWishedClearance) {
   const HazardMap map({hazard(box(50, 1, 2, 10))});

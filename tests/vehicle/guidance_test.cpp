@@ -273,10 +273,10 @@ TEST(SpeedPlan, TakesTheLastWaypointAsACornerWhereItGoesOn) {
   const VehicleModel model = test::rov();
   const VehicleParameters parameters = parameters_of(model);
   const auto slowest_before = [&](const std::optional<Vector2d>& then) {
-    LineOfSight guidance({8, 1}, {{60, 0, 5, 0.8}}, parameters);
+    LineOfSight guidance({8, 0.2}, {{60, 0, 5, 0.8}}, parameters);
     guidance.go_on_to(then);
     double slowest = 0.8;
-    for (double x = 0; x < 58.9; x += 0.1) slowest = std::min(slowest, guidance.step(pose(x, 0), {}, kDt).speed);
+    for (double x = 0; x < 59.7; x += 0.1) slowest = std::min(slowest, guidance.step(pose(x, 0), {}, kDt).speed);
     return slowest;
   };
   EXPECT_LT(slowest_before({}), 0.55) << "it brakes for the end";

@@ -10,6 +10,7 @@ import * as protocol from './protocol';
 import { Kind } from './protocol';
 import { EchoTrail } from './echo_trail';
 import { readLevels, type Level } from './levels';
+import { readPartner, type Partner } from './partners';
 import { readSounds, type Sound } from './sounds';
 import { SonarImage } from './sonar_image';
 
@@ -56,6 +57,8 @@ export class Model {
   /** What the passive array hears. */
   sounds: Sound[] = [];
   levels: Level[] = [];
+  /** By the index of the vehicle in the group. */
+  readonly partners = new Map<number, Partner>();
   health: items.Health | null = null;
   /** Times of the stages by a real clock; in a live view only. */
   times: items.StageTime[] = [];
@@ -97,7 +100,7 @@ export class Model {
     this.times = [];
     this.sounds = [];
     this.levels = [];
-    for (const map of [this.track, this.sonars, this.depth, this.voxels, this.cubes, this.waiting]) map.clear();
+    for (const map of [this.partners, this.track, this.sonars, this.depth, this.voxels, this.cubes, this.waiting]) map.clear();
     this.trail.clear();
     for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
   }
@@ -172,6 +175,8 @@ export class Model {
         return this.keep(readSounds(protocol.readJson(payload)), (sounds) => (this.sounds = sounds));
       case Kind.levels:
         return this.keep(readLevels(protocol.readJson(payload)), (levels) => (this.levels = levels));
+      case Kind.partner:
+        return this.keep(readPartner(protocol.readJson(payload), time), (partner) => this.partners.set(low, partner));
       case Kind.health:
         return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
       case Kind.times:
@@ -262,6 +267,9 @@ export class Model {
         break;
       case Kind.levels:
         this.levels = [];
+        break;
+      case Kind.partner:
+        this.partners.delete(low);
         break;
       case Kind.health:
         this.health = null;

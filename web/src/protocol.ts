@@ -27,9 +27,10 @@ export const Kind = {
   sphere: 17,
   sounds: 18,
   levels: 19,
+  partner: 20,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.levels;
+export const kLastKind = Kind.partner;
 
 export const kHead = 24;
 const kGone = 1;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/captain.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
+#include <isobath/mission/plan/sailing_time.hpp>
 #include <numeric>
 
 namespace isobath {
@@ -31,7 +32,7 @@ void Captain::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* report = std::get_if<PointReport>(&message)) on(*report, out);
   if (const auto* report = std::get_if<MissionReport>(&message)) on(*report, out);
   if (const auto* bid = std::get_if<TaskBid>(&message)) on(*bid);
-  if (const auto* visits = std::get_if<VisitOrder>(&message)) left_ = visits->points;
+  if (const auto* visits = std::get_if<VisitOrder>(&message)) take_order(*visits);
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
   }
@@ -49,33 +50,32 @@ void Captain::tick(Time now, Outbox& out) {
         fmt::format("the mission has lasted {:.1f} s, {:.1f} s allowed", lasted, plan_->limits.max_duration_s), out);
 }
 
-double Captain::way_s(const Eigen::Vector2d& to_W, double speed) const {
-  const double metres = here_ ? (to_W - here_->X_WB.translation.head<2>()).norm() : 0;
-  return metres / (speed > 0 ? speed : plan_->speed);
+void Captain::take_order(const VisitOrder& order) {
+  left_ = order.points;
+  std::erase_if(left_, [this](std::size_t point) { return !plan_ || point >= plan_->points.size(); });
+}
+
+double Captain::way_home_s() const {
+  return here_ ? (home_W_ - here_->X_WB.translation.head<2>()).norm() / plan_->speed : 0;
 }
 
 /// The rest of the mission: how long it takes.
 void Captain::plan(Outbox& out) {
   double left_s = 0;
   if (under_way() && plan_) {
-    const Eigen::Vector2d* last_W = nullptr;
-    for (const std::size_t i : left_) {
-      if (i >= plan_->points.size()) continue;
-      const MissionPoint& point = plan_->points[i];
-      const double speed = point.speed > 0 ? point.speed : plan_->speed;
-      left_s += last_W ? (point.north_east - *last_W).norm() / speed : way_s(point.north_east, speed);
-      left_s += point.hold_s;
-      last_W = &point.north_east;
+    std::optional<Eigen::Vector2d> from;
+    if (here_) from = here_->X_WB.translation.head<2>();
+    left_s = sailing_time_s(plan_->points, left_, from, plan_->speed);
+    if (plan_->at_end == MissionEnd::kReturn) {
+      left_s += left_.empty() ? way_home_s() : (home_W_ - plan_->points[left_.back()].north_east).norm() / plan_->speed;
     }
-    if (plan_->at_end == MissionEnd::kReturn)
-      left_s += last_W ? (home_W_ - *last_W).norm() / plan_->speed : way_s(home_W_, 0);
   }
   plans_.note(now_, left_s, false, out);
 }
 
 void Captain::turn_back_in_time(Outbox& out) {
   if (plan_->at_end != MissionEnd::kReturn || !here_ || left_.empty()) return;
-  const double left_s = plan_->limits.max_duration_s - to_seconds(now_ - started_), back_s = way_s(home_W_, 0);
+  const double left_s = plan_->limits.max_duration_s - to_seconds(now_ - started_), back_s = way_home_s();
   if (left_s > kWayBackReserve * back_s + kWayBackReserve_s) return;
   abort(MissionEnd::kReturn,
         fmt::format("{:.0f} s are left, and the way back takes {:.0f} s; {} point{} will not be visited", left_s,

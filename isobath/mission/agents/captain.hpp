@@ -54,7 +54,8 @@ class Captain final : public Agent {
   void award(Outbox& out);
   void plan(Outbox& out);
   void turn_back_in_time(Outbox& out);
-  [[nodiscard]] double way_s(const Eigen::Vector2d& to_W, double speed) const;
+  void take_order(const VisitOrder& order);
+  [[nodiscard]] double way_home_s() const;
   void abort(MissionEnd end, const std::string& why, Outbox& out);
   void order(MissionOrder::Kind kind, const char* what, const std::string& why, Outbox& out);
   void decide(const char* what, std::string reason, Outbox& out) const;

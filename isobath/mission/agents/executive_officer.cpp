@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/executive_officer.hpp>
 #include <isobath/mission/messages/reason_text.hpp>
+#include <isobath/mission/plan/sailing_time.hpp>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -173,17 +174,9 @@ std::vector<std::size_t> ExecutiveOfficer::points_left() const {
 }
 
 double ExecutiveOfficer::time_for(const std::vector<std::size_t>& points) const {
-  double time_s = 0;
-  std::optional<Eigen::Vector2d> last_W;
-  if (here_) last_W = here_->X_WB.translation.head<2>();
-  for (const std::size_t i : points) {
-    const MissionPoint& point = points_[i];
-    const double speed = point.speed > 0 ? point.speed : plan_->speed;
-    if (last_W) time_s += (point.north_east - *last_W).norm() / speed;
-    time_s += point.hold_s;
-    last_W = point.north_east;
-  }
-  return time_s;
+  std::optional<Eigen::Vector2d> from;
+  if (here_) from = here_->X_WB.translation.head<2>();
+  return sailing_time_s(points_, points, from, plan_->speed);
 }
 
 void ExecutiveOfficer::plan_again(Outbox& out) {

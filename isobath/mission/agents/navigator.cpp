@@ -8,7 +8,6 @@
 #include <isobath/mission/messages/reason_text.hpp>
 #include <isobath/mission/plan/planner_budget.hpp>
 #include <isobath/planning/turning.hpp>
-#include <limits>
 
 namespace isobath {
 namespace {
@@ -126,6 +125,8 @@ void Navigator::on_group(const GroupHazards& group, Outbox& out) {
 }
 
 void Navigator::on_request(const RouteRequest& request, Outbox& out) {
+  const bool again = request_ && request_->target.north_east == request.target.north_east;
+  if (!again && here_) leg_from_ = place_of(*here_);
   request_ = request;
   way_.clear();
   opening_.forget();
@@ -291,7 +292,7 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
   Decision d = about(view, view.way, conflict);
   d.what = "replan";
   auto aside = mended(view.map, view.way, clearance());
-  if (aside && !corners_fit(*aside, turning_radius())) aside.reset();
+  if (aside && (!corners_fit(*aside, turning_radius()) || deviates(view, *aside))) aside.reset();
   const double aside_m = aside ? length_of(*aside) : 0;
   if (aside && aside_m <= length_of(view.way) + config_.switch_m) return take_way(view, *aside, std::move(d), out);
   const auto found = search(view);
@@ -318,7 +319,7 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
 
 void Navigator::shorten(View& view, Outbox& out) {
   const auto found = search(view);
-  const bool look = !(now_ >= space_searched_ && now_ - space_searched_ < kSpaceInterval);
+  const bool look = !weighs_risks() && !(now_ >= space_searched_ && now_ - space_searched_ < kSpaceInterval);
   std::optional<SpaceRoutePath> through;
   if (look) {
     through = search_space(view, length_of(view.way));
@@ -343,7 +344,10 @@ void Navigator::start(View& view, Outbox& out) {
   const auto found = search(view);
   Decision d = decision(refused_ ? "resume" : "plan", "the route is clear");
   const Way straight{view.way.front(), view.goal};
-  const auto through = search_space(view, found ? std::optional(found->length_m) : std::nullopt);
+  std::optional<SpaceRoutePath> through;
+  if (!found || !weighs_risks()) {
+    through = search_space(view, found ? std::optional(found->length_m) : std::nullopt);
+  }
   if (!found && !through) return refuse(refusal_of(found.error(), view), out);
   if (through || found->points.size() > 2) {
     if (const auto conflict = conflict_ahead(view.map, straight, clearance())) {
@@ -354,74 +358,6 @@ void Navigator::start(View& view, Outbox& out) {
   }
   if (through) return take_space_way(view, *through, std::move(d), out);
   take_way(view, found->points, std::move(d), out);
-}
-
-Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
-  RouteConfig config = route_;
-  config.max_expanded = max_expanded();
-  const RouteTask task = task_of(view);
-  auto found = plan_route(view.map, task, config);
-  // Where hazards hem it in, a vehicle that needs room to turn is given a smaller clearance.
-  for (const double share : {0.6, 0.3}) {
-    const bool hemmed_in =
-        !found && (found.error() == RouteRefusal::kCannotTurn || found.error() == RouteRefusal::kStartBlocked);
-    if (!hemmed_in) break;
-    config.clearance_m = share * route_.clearance_m;
-    found = plan_route(view.map, task, config);
-  }
-  return found;
-}
-
-RouteTask Navigator::task_of(const View& view) const {
-  RouteTask task;
-  task.start = view.way.front();
-  task.goal = view.goal;
-  task.half_width_m = vehicle_.half_width_m;
-  task.turning_radius_m = turning_radius();
-  if (task.turning_radius_m > 0) task.heading = view.heading.radians();
-  return task;
-}
-
-/// Where the route to the point after will first lead, as far as is known now. A point that cannot be reached counts as
-/// straight ahead.
-std::optional<Vector2d> Navigator::corner_after(const View& view) const {
-  if (!request_->then_W) return std::nullopt;
-  const Vector2d then = view.frame.to_local(*request_->then_W);
-  if (view.map.leg_is_clear(view.goal, then, least_clearance())) return request_->then_W;
-  RouteTask task = task_of(view);
-  task.start = view.goal;
-  task.goal = then;
-  task.heading.reset();
-  RouteConfig config = route_;
-  config.max_expanded = max_expanded();
-  const auto found = plan_route(view.map, task, config);
-  return found && found->points.size() > 2 ? view.frame.to_world(found->points[1]) : *request_->then_W;
-}
-
-/// At the speed at which the vehicle goes to the point.
-double Navigator::turning_radius() const {
-  const double least = vehicle_.limits.turning_radius;
-  const double rate = vehicle_.limits.max_yaw_rate.radians();
-  return least > 0 && rate > 0 ? std::max(least, wanted_speed() / rate) : least;
-}
-
-double Navigator::wanted_speed() const {
-  return request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
-}
-
-int Navigator::max_expanded() const {
-  const int factor = mode_ == Mode::kEmergency ? config_.emergency_factor : 1;
-  const double all = budget_share_ * route_.max_expanded * factor;
-  return static_cast<int>(std::clamp<double>(all, 1, std::numeric_limits<int>::max()));
-}
-
-/// Slower where there is little room: more scans per metre before hidden obstacles come into sight.
-double Navigator::speed_on(const View& view, const Way& way) const {
-  const double speed = wanted_speed();
-  double room = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < way.size(); ++i) room = std::min(room, view.map.leg_distance(way[i - 1], way[i]));
-  const bool tight = room < clearance() + config_.tight_m;
-  return tight ? std::min(speed, std::max(config_.tight_speed * speed, vehicle_.min_speed)) : speed;
 }
 
 void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& out) {
@@ -456,6 +392,7 @@ void Navigator::adopt(const View& view, std::vector<Waypoint> waypoints, double 
                                      way_.size() - 1, way_.size() == 2 ? "" : "s", std::abs(longer_m),
                                      longer_m < 0 ? "shorter" : "longer")
                        : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length);
+  if (weighs_risks()) d.reason += "; " + cost_text();
   then_W_ = corner_after(view);
   out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason, then_W_});
   out.say(std::move(d));

@@ -39,6 +39,11 @@
 // Without it, and where the route leads over or under a hazard, they count with the water that they cross in the next
 // seconds.
 //
+// Where the mission has risk areas and priorities, a search weighs time, energy, detection and destruction
+// (mission/plan/priorities.hpp), and decisions state what the route costs. A point with `deviation_m` is reached
+// within that distance of the straight line, or refused. Routes over or under hazards, and those that move aside by a
+// corner, weigh the way alone.
+//
 // If no route fits the turning radius, or the vehicle is nearer to a hazard than the clearance, a smaller clearance is
 // used.
 //
@@ -123,6 +128,9 @@ class Navigator : public Agent {
   void start(View& view, Outbox& out);
   [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
   [[nodiscard]] RouteTask task_of(const View& view) const;
+  [[nodiscard]] bool deviates(const View& view, const Way& way) const;
+  [[nodiscard]] bool weighs_risks() const { return plan_ && !plan_->risks.empty(); }
+  [[nodiscard]] std::string cost_text() const;
   [[nodiscard]] std::optional<Eigen::Vector2d> corner_after(const View& view) const;
   [[nodiscard]] int max_expanded() const;
   [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
@@ -187,6 +195,7 @@ class Navigator : public Agent {
   std::optional<RouteRequest> request_;
   std::vector<Waypoint> way_;                           ///< the rest of the route; the last is the mission point
   Eigen::Vector2d way_from_ = Eigen::Vector2d::Zero();  ///< where it began
+  Eigen::Vector2d leg_from_ = Eigen::Vector2d::Zero();  ///< where the vehicle was when the point was asked for
   std::optional<Eigen::Vector2d> then_W_;               ///< as in RoutePlanned
   PlanClock plans_;
   std::uint32_t version_ = 0;

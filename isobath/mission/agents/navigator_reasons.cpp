@@ -33,7 +33,11 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
     case RouteRefusal::kNotFinite:
     case RouteRefusal::kNoPath: break;
   }
-  return {RouteRefused::Reason::kNoPath, "there is no path; nearest to the vehicle: " + obstacle};
+  const double deviation_m = request_->target.deviation_m;
+  const std::string within =
+      deviation_m > 0 ? fmt::format(" within {:g} m of the straight line", deviation_m) : std::string();
+  return {RouteRefused::Reason::kNoPath,
+          fmt::format("there is no path{}; nearest to the vehicle: {}", within, obstacle)};
 }
 
 Decision Navigator::decision(std::string what, std::string reason) const {

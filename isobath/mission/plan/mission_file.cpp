@@ -92,6 +92,8 @@ std::vector<Field> point_fields(PointKeys& k) {
                   "An obstacle that is nearer blocks the point; 0: navigator.drop_distance_m."),
       Field::real("move_m", &p.move_m, {0, 1e4}, "m",
                   "How far the point may be moved off an obstacle that stands on it; 0: the point is dropped."),
+      Field::real("deviation_m", &p.deviation_m, {0, 1e5}, "m",
+                  "Most distance of the way to the point from the straight line; 0: any."),
       Field::text("task", &p.task,
                   "Task of a back-seat driver at the point, such as \"survey length_m=80\"; empty: none.")};
 }
@@ -219,7 +221,8 @@ Schema schema(MissionKeys& k) {
                   {"mission_limits", "Limits that hold during the whole mission.", limit_fields(k.plan.limits)},
                   {"geofence", "Area that the vehicle must not leave.", fence_fields(k)},
                   {"search_area", "A rectangle that is searched in lanes, instead of mission points.",
-                   search_fields(k.plan.search)}};
+                   search_fields(k.plan.search)},
+                  {"priorities", "What a way costs, beside time.", fields(k.plan.priorities)}};
   all.lists = {{"mission_point", "The points of the mission, in order.",
                 [&k](const Place& place) {
                   PointKeys& point = k.points.emplace_back();
@@ -233,6 +236,11 @@ Schema schema(MissionKeys& k) {
                   OutlineKeys& outline = k.outlines.emplace_back();
                   outline.place = place;
                   return outline_fields(outline);
+                }},
+               {"risk_area", "A circle in which the vehicle may be detected or destroyed.", [&k](const Place& place) {
+                  RiskArea& risk = k.risks.emplace_back();
+                  risk.place = place;
+                  return fields(risk);
                 }}};
   return all;
 }
@@ -249,6 +257,7 @@ MissionPlan make_plan(const MissionKeys& keys, const Schema& read, std::optional
   plan.search.place = place_of(read, "search_area");
   if (plan.search.on()) add_lanes(plan);
   for (const OutlineKeys& outline : keys.outlines) inject(outline, plan.injected);
+  plan.risks = keys.risks;
   return plan;
 }
 
@@ -317,6 +326,7 @@ std::string write_mission(const MissionPlan& plan) {
       text += "\n" + write_toml({{in_brackets("injected_map"), "", outline_fields(outline_keys)}}, false);
     }
   }
+  for (RiskArea risk : plan.risks) text += "\n" + write_toml({{in_brackets("risk_area"), "", fields(risk)}}, false);
   return text;
 }
 

@@ -45,6 +45,7 @@ struct MissionKeys {
   std::vector<double> corners_deg;  ///< or rows of latitude, longitude
   std::vector<PointKeys> points;
   std::vector<OutlineKeys> outlines;
+  std::vector<RiskArea> risks;
 };
 
 /// Bound to `keys`, which must outlive the schema.

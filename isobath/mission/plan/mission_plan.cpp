@@ -143,6 +143,7 @@ MissionPlan on_plane_of(MissionPlan plan, const GeoOrigin& origin) {
   for (InjectedMap& map : plan.injected) {
     for (Polygon& outline : map.outlines) std::for_each(outline.begin(), outline.end(), move);
   }
+  for (RiskArea& risk : plan.risks) move(risk.centre_W);
   plan.origin = origin;
   return plan;
 }

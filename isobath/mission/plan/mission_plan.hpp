@@ -9,6 +9,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/geometry/polygon.hpp>
+#include <isobath/mission/plan/priorities.hpp>
 #include <isobath/mission/plan/search_area.hpp>
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ struct MissionPoint {
   double radius_m = 0;                    ///< within which the point counts as reached; 0: the Pilot's
   double drop_distance_m = 0;             ///< a nearer obstacle blocks the point; 0: the Navigator's
   double move_m = 0;                      ///< how far the Captain may move it off an obstacle; 0: it is dropped (S6-65)
+  double deviation_m = 0;                 ///< most distance of the way to it from the straight line; 0: any (S2-15)
   std::string task = {};                  ///< what a back-seat driver does there; empty: nothing
 };
 
@@ -87,6 +89,8 @@ struct MissionPlan {
   MissionEnd if_dropped = MissionEnd::kHold;  ///< what the vehicle does when the last point was dropped (S6-E21)
   bool waits_for_operator = false;  ///< starts at the operator's command; else as soon as it has looked around
   std::vector<InjectedMap> injected;
+  Priorities priorities;
+  std::vector<RiskArea> risks;
   std::optional<GeoOrigin> origin;
   ImportReport import;
 };

@@ -20,6 +20,7 @@ export const layerNames = {
   way: 'Route',
   track: 'Track',
   vehicle: 'Vehicle, course of 10 s, 2σ',
+  partners: 'Vehicles of the group, as last heard',
 } as const;
 export type LayerName = keyof typeof layerNames;
 
@@ -175,6 +176,9 @@ function swatch(name: LayerName, p: Paint): SVGElement {
       break;
     case 'track':
       line(p.track, 2.2);
+      break;
+    case 'partners':
+      svg.append(element('path', { d: 'M14 2 L20 8 L14 14 L8 8 Z', fill: p.halo, stroke: p.vehicle, 'stroke-width': 2 }));
       break;
     case 'vehicle':
       svg.append(element('path', { d: 'M24 8 L6 2 L10 8 L6 14 Z', fill: p.vehicle, stroke: p.vehicleEdge }));

@@ -3,7 +3,9 @@
  */
 import type { Decision } from '../items';
 import type { Model } from '../model';
-import { stroke, trace, type Pen } from './pen';
+import { partnerNote } from '../partners';
+import { age } from '../units';
+import { label, stroke, trace, type Pen } from './pen';
 
 const kOldWays = 40;
 
@@ -52,6 +54,30 @@ export function drawTrack(pen: Pen, model: Model): void {
   drawing.lineJoin = 'round';
   stroke(pen, { colour: paint.halo, width: 4.5 });
   stroke(pen, { colour: paint.track, width: 2.2 });
+}
+
+export function drawPartners(pen: Pen, model: Model): void {
+  const { camera, drawing, paint } = pen;
+  const size = 7;
+  for (const [vehicle, partner] of model.partners) {
+    const [x, y] = [camera.x(...partner.at), camera.y(...partner.at)];
+    drawing.beginPath();
+    for (const [dx, dy] of [
+      [0, -size],
+      [size, 0],
+      [0, size],
+      [-size, 0],
+    ] as const)
+      drawing.lineTo(x + dx, y + dy);
+    drawing.closePath();
+    drawing.fillStyle = paint.halo;
+    drawing.fill();
+    stroke(pen, { colour: paint.vehicle, width: 2 });
+    const name = model.scene?.group[vehicle] ?? `vehicle ${vehicle + 1}`;
+    const seconds = model.age(partner.heard);
+    const ago = Number.isFinite(seconds) ? age(Math.max(0, seconds)) : '';
+    label(pen, partnerNote(name, partner, ago), x + size + 4, y, paint.ink, 'left');
+  }
 }
 
 export function drawVehicle(pen: Pen, model: Model): void {

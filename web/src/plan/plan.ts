@@ -159,6 +159,7 @@ export class PlanView implements View, Gestured {
     layer('sounds', model.sounds.length > 0, () => drawSounds(pen, model));
     layer('way', model.way !== null, () => moving.drawWay(pen, model));
     if (decision) moving.drawDecision(pen, decision);
+    layer('partners', model.partners.size > 0, () => moving.drawPartners(pen, model));
     layer('vehicle', true, () => moving.drawVehicle(pen, model));
     if (decision) drawMeeting(pen, model, decision);
     layer('predicted', movers.length > 0, () => drawTimesAhead(pen, movers));
