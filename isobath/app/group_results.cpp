@@ -5,6 +5,8 @@
 #include <isobath/app/json_output.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 namespace isobath::app {
 
@@ -27,6 +29,12 @@ void print_group_results(const RunRequest& request, const GroupOutcome& outcome)
 }
 
 int conclude_group(const GroupOutcome& outcome) {
+  std::set<std::string> warnings;
+  for (const RunOutcome& run : outcome.runs) warnings.insert(run.warning);
+  for (const std::string& warning : warnings) {
+    if (!warning.empty())
+      std::fprintf(stderr, "isobath: warning: %s\n", printable_text(warning, 1000).c_str());
+  }
   const std::string failure = outcome.failure();
   if (!failure.empty()) std::fprintf(stderr, "isobath: %s\n", printable_text(failure).c_str());
   return failure.empty() ? kSuccess : kFailedChecks;

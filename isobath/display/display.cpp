@@ -2,8 +2,8 @@
 #include <cmath>
 #include <isobath/display/decision_json.hpp>
 #include <isobath/display/display.hpp>
-#include <isobath/mission/messages/group_words.hpp>
 #include <isobath/display/display_bytes.hpp>
+#include <isobath/mission/messages/group_words.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -39,8 +39,12 @@ std::string display_text(const ordered_json& json) {
 
 ordered_json mission_points(const MissionPlan& plan) {
   ordered_json points = ordered_json::array();
-  for (const MissionPoint& p : plan.points) {
+  const SearchArea& area = plan.search;
+  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+    const MissionPoint& p = plan.points[i];
     ordered_json point{{"name", p.name}, {"at", point_json(p.north_east)}};
+    // Lanes are sailed in the order of the Commodore.
+    if (area.on() && (i >= area.all_stations() || i % area.stations() == 0)) point["apart"] = true;
     if (!p.task.empty()) point["task"] = p.task;
     if (p.altitude_m) {
       point["altitude_m"] = tidy_m(*p.altitude_m);

@@ -115,15 +115,18 @@ TEST(Group, TakesOverTheShareOfAVehicleThatIsLost) {
 // A pole that the sonar of alpha cannot reach from its lanes: alpha knows it from bravo. ledger: S2-50 S2-51
 TEST(Group, TellsOneAnotherOfObstacles) {
   const auto folder = test::scratch_folder();
-  const auto file =
-      scene(folder, "", "[[cylinder]]\nname = \"pole\"\ncentre = [20, 60, 12]\nradius = 1\nlength = 25\n");
-  test::isobath({"run", file.string(), "--out", (folder / "out").string(), "--set", "simulation.duration_s=120"});
-  const std::string alpha = test::content_of(folder / "out/alpha/decisions.json");
-  EXPECT_THAT(alpha, testing::ContainsRegex("bravo has seen an obstacle at north (1|2)[0-9.]*, east (5|6)"));
-  const auto silent = test::isobath({"run", file.string(), "--out", (folder / "silent").string(), "--set",
-                                     "simulation.duration_s=60", "--set", "commodore.told_obstacles=0"});
-  EXPECT_THAT(test::content_of(folder / "silent/alpha/decisions.json"),
-              testing::Not(HasSubstr("has seen an obstacle")));
+  const std::string pole = "[[cylinder]]\nname = \"pole\"\ncentre = [20, 60, 12]\nradius = 1\nlength = 25\n";
+  std::string text = test::content_of(scene(folder, "", pole));
+  const std::string coarse = "bins = 60\ninterval_s = 1";
+  text.replace(text.find(coarse), coarse.size(), "bins = 200\ninterval_s = 0.5");
+  const auto file = test::write(folder / "fine.toml", text);
+  for (const char* told : {"3", "0"}) {
+    test::isobath({"run", file.string(), "--out", (folder / told).string(), "--set", "simulation.duration_s=30",
+                   "--set", std::string("commodore.told_obstacles=") + told});
+  }
+  EXPECT_THAT(test::content_of(folder / "3/alpha/decisions.json"),
+              testing::ContainsRegex("bravo has seen an obstacle at north (1|2)[0-9.]*, east (5|6)"));
+  EXPECT_THAT(test::content_of(folder / "0/alpha/decisions.json"), testing::Not(HasSubstr("has seen an obstacle")));
 }
 
 /// A cheap scene: two vehicles with sonars of one beam.
@@ -162,7 +165,8 @@ interval_s = 1
 
 /// When a vehicle first decides this, s.
 double decided_s(const std::filesystem::path& out, const char* vehicle, const std::string& what) {
-  for (const auto& decision : test::json_of(out / vehicle / "decisions.json")["decisions"]) {
+  const auto decisions = test::json_of(out / vehicle / "decisions.json");
+  for (const auto& decision : decisions["decisions"]) {
     if (decision["what"] == what) return 1e-9 * decision["time_ns"].get<double>();
   }
   return -1;

@@ -240,7 +240,8 @@ TEST(Mission, WeighsStealthAgainstTime) {
     own.replace(own.find("stealth = 200"), 13, fmt::format("stealth = {}", stealth));
     const auto file = test::write(folder / "watched.toml", own);
     test::isobath({"run", file.string(), "--out", (folder / "out").string(), "--set", "simulation.duration_s=6"});
-    for (const auto& decision : test::json_of(folder / "out/decisions.json")["decisions"]) {
+    const auto decisions = test::json_of(folder / "out/decisions.json");
+    for (const auto& decision : decisions["decisions"]) {
       if (decision["agent"] == "navigator" && decision["what"] == "plan") reasons[stealth] = decision["reason"];
     }
   }

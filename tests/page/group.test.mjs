@@ -30,7 +30,7 @@ loss = 0
 [navigation]
 kind = "drift"
 [[sonar]]
-preset = "altimeter"
+preset = "obstacle_cone"
 [mission]
 title = "Two pages"
 [search_area]

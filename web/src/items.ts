@@ -12,6 +12,8 @@ export interface MissionPoint {
   at: Point;
   depth: number | undefined;
   altitude: number | undefined;
+  /** No leg leads to it from the point before. */
+  apart: boolean;
 }
 export interface Scene {
   title: string;
@@ -59,7 +61,7 @@ export function readScene(json: unknown): Scene | null {
     mission: all(json.mission, (v) => {
       const at = isObject(v) ? point(v.at) : undefined;
       if (!isObject(v) || !at) return undefined;
-      return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m) };
+      return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m), apart: flag(v.apart) };
     }),
     charted: all(json.charted, (v) => {
       const [a, b] = isObject(v) ? [point(v.a), point(v.b)] : [];

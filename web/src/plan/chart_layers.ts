@@ -68,11 +68,12 @@ export function drawBodies(pen: Pen, scene: Scene): void {
 export function drawMission(pen: Pen, scene: Scene, target: number | undefined): void {
   const { camera, drawing, paint } = pen;
   if (scene.mission.length > 1) {
-    trace(
-      pen,
-      scene.mission.map(({ at }) => at),
-      false,
-    );
+    drawing.beginPath();
+    for (const { at, apart } of scene.mission) {
+      const [x, y] = [camera.x(...at), camera.y(...at)];
+      if (apart) drawing.moveTo(x, y);
+      else drawing.lineTo(x, y);
+    }
     stroke(pen, { colour: paint.mission, width: 1.2, dash: [2, 4] });
   }
   scene.mission.forEach(({ at }, i) => {
