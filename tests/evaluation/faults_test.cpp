@@ -15,7 +15,7 @@ std::string file_of(const FaultRow& row) { return "faults/" + file_name_of(row);
 
 class FaultsInTheLoop : public testing::TestWithParam<std::size_t> {};
 
-// ledger: S6-39 S2-28 S1-43 S1-44
+// ledger: S6-39 S2-27 S2-28 S1-43 S1-44
 TEST_P(FaultsInTheLoop, AreNoticedAndActedOnByTheirDeadline) {
   const FaultRow& row = fault_table()[GetParam()];
   const Scenario scenario = test::scenario_of(file_of(row));

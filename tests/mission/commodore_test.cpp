@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <isobath/mission/agents/commodore.hpp>
+#include <set>
 
 #include "agent_script.hpp"
 
@@ -304,6 +305,30 @@ TEST_F(CommodoreTest, TellsTheOthersOfObstaclesNearTheirLanes) {
     }
   }
   EXPECT_THAT(tellings, ElementsAre(testing::Pair(300 - 256, 8), testing::Pair(303 - 256, 8)));
+}
+
+// A vehicle that waits looks like an obstacle to the others: it is not told of as one, and does not believe it of
+// itself. ledger: S2-50
+TEST_F(CommodoreTest, TakesNoVehicleOfTheGroupForAnObstacle) {
+  start(0);
+  hear(status(1));  // bravo is at (-5, 55)
+  RememberedObstacle bravo, rock;
+  bravo.id = 1;
+  bravo.outline_W = square(0, 58, 1);
+  rock.id = 2;
+  rock.outline_W = square(30, 58, 1);
+  ObstacleScan scan;
+  scan.known = std::make_shared<const KnownObstacles>(KnownObstacles{0, {bravo, rock}, {}});
+  script->hear(scan, now);
+  std::set<int> told;
+  for (const LinkFrame& frame : only<LinkFrame>(wait(30))) {
+    const auto word = group_word_of(frame.bytes);
+    for (const ObstacleWord& o : std::get<GroupStatus>(*word).obstacles) told.insert(o.key);
+  }
+  EXPECT_THAT(told, ElementsAre(2));
+  GroupStatus of_alpha = status(1);
+  of_alpha.obstacles = {{7, {-4, 14}, 1.5, 1}};
+  EXPECT_TRUE(only<GroupObstacles>(hear(of_alpha)).empty());
 }
 
 // ledger: S2-50 S2-51

@@ -180,18 +180,17 @@ bool ObstacleMemory::tell(const ToldObstacle& told, Time now) {
     ++refused_;
     return false;
   }
-  const auto known = std::ranges::find_if(
-      entries_, [&](const Entry& e) { return e.seen.told && e.teller == told.teller && e.key == told.key; });
-  if (known != entries_.end()) {
-    take_told(*known, told, now);
-    return false;
-  }
   const double variance = told.sigma_m * told.sigma_m + variance_.value_or(0);
-  const bool stored = std::ranges::any_of(entries_, [&](const Entry& e) {
+  const auto is_near = [&](const Entry& e) {
     const double sigma = std::sqrt(variance + variance_since(e) + config_.detection_sigma * config_.detection_sigma);
     return (e.centre - told.centre_W).norm() <= e.radius + told.radius_m + config_.confidence * sigma;
-  });
-  if (stored) return false;
+  };
+  const auto stored = std::ranges::find_if(entries_, is_near);
+  if (stored != entries_.end()) {
+    const bool same = stored->seen.told && stored->teller == told.teller && stored->key == told.key;
+    if (same) take_told(*stored, told, now);
+    return false;
+  }
   Entry fresh;
   fresh.seen.id = next_id_++;
   fresh.seen.first_seen = now;

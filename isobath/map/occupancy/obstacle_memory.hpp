@@ -89,7 +89,7 @@ struct MemorySweep {
 /// An obstacle as another vehicle tells of it.
 struct ToldObstacle {
   int teller = 0;         ///< which vehicle
-  std::uint32_t key = 0;  ///< the same each time that the teller tells of this obstacle
+  std::uint32_t key = 0;  ///< the same each time that the teller tells of this obstacle; others may have it too
   Eigen::Vector2d centre_W = Eigen::Vector2d::Zero();
   double radius_m = 0;
   double sigma_m = 0;  ///< standard deviation of its place by the teller's navigation, an axis

@@ -21,7 +21,8 @@
 //
 // Each status also tells of obstacles that the own sonar has confirmed near lanes that are still to be sailed, those
 // first that were told least often, each at most kTellings times; one that has moved by more than kMoved_m is told
-// anew. What others tell goes to the FLS Detector.
+// anew. What others tell goes to the FLS Detector. What lies where a vehicle of the group is may be that vehicle: it is
+// neither told nor believed.
 //
 // Stations that a vehicle told to have visited before it was lost are not visited again: the lane is resumed at the
 // last of them.
@@ -31,8 +32,7 @@
 // vehicle passes it on. After `together_s` from the start of the mission a vehicle waits no longer (S2-19).
 //
 // A lane is done when its last station is reached, or dropped because of an obstacle. Once all are done, the vehicle
-// ends its mission as the plan says; until then a vehicle without a lane goes to its waiting
-// place beyond the area and may get another one.
+// ends its mission as the plan says; until then one without a lane goes to its waiting place and may get another lane.
 #pragma once
 
 #include <isobath/mission/messages/agent.hpp>

@@ -14,9 +14,10 @@ namespace {
 
 constexpr std::size_t kNobodyLeads = 255;
 constexpr std::ptrdiff_t kMostStations = 255;
-constexpr double kNearLane_m = 25;    // an obstacle that is nearer to a lane matters to the vehicle that sails it
-constexpr double kMostRadius_m = 15;  // a circle about a longer obstacle would shut too much water
-constexpr double kRounding_m = 0.36;  // of a place on the link
+constexpr double kNearLane_m = 25;     // an obstacle that is nearer to a lane matters to the vehicle that sails it
+constexpr double kMostRadius_m = 15;   // a circle about a longer obstacle would shut too much water
+constexpr double kNearVehicle_m = 10;  // from where a vehicle was last heard, or is
+constexpr double kRounding_m = 0.36;   // of a place on the link
 
 std::int64_t whole_second(Time time) {
   return std::chrono::floor<std::chrono::seconds>(time.time_since_epoch()).count();
@@ -44,6 +45,15 @@ void Commodore::on(const ObstacleScan& scan) {
 }
 
 std::vector<ObstacleWord> Commodore::obstacles_to_tell() {
+  // A vehicle of the group that waits looks like an obstacle.
+  const auto is_vehicle = [&](const Sighting& seen) {
+    for (std::size_t v = 0; v < members_.size(); ++v) {
+      const Member& member = members_[v];
+      const bool heard = v != own_ && !member.lost && member.status.lanes > 0;
+      if (heard && (member.status.place_W - seen.centre_W).norm() <= kNearVehicle_m + seen.radius_m) return true;
+    }
+    return false;
+  };
   const auto matters = [&](const Sighting& seen) {
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       if (is_done(k) || lane_ == k) continue;
@@ -54,7 +64,7 @@ std::vector<ObstacleWord> Commodore::obstacles_to_tell() {
   };
   std::vector<std::pair<std::uint32_t, Sighting*>> open;
   for (auto& [id, seen] : sightings_) {
-    if (seen.tellings < kTellings && matters(seen)) open.emplace_back(id, &seen);
+    if (seen.tellings < kTellings && matters(seen) && !is_vehicle(seen)) open.emplace_back(id, &seen);
   }
   std::ranges::stable_sort(open, {}, [](const auto& one) { return one.second->tellings; });
   std::vector<ObstacleWord> words;
@@ -116,6 +126,8 @@ void Commodore::on(const GroupStatus& status, Time now, Outbox& out) {
   if (status.begin_s && !begin_at_) begin_at_ = second_near(now, *status.begin_s);
   GroupObstacles told;
   for (const ObstacleWord& o : status.obstacles) {
+    // This vehicle itself, as the other one saw it.
+    if ((o.centre_W - here_W_).norm() <= kNearVehicle_m + o.radius_m) continue;
     told.obstacles.push_back({status.from, o.key, o.centre_W, o.radius_m, o.sigma_m});
   }
   if (!told.obstacles.empty()) out.say(std::move(told));
