@@ -19,21 +19,20 @@ std::optional<Scenario> vehicle_group_of(const RunRequest& request) {
 
 nlohmann::ordered_json group_results_json(const RunRequest& request, const GroupOutcome& outcome) {
   auto all = nlohmann::ordered_json::parse(group_text(outcome));
-  add_files(all, request.out, {"group.json", "group.png"});
+  add_files(all, request.out, {"report.html", "group.json", "group.png"});
   return all;
 }
 
 void print_group_results(const RunRequest& request, const GroupOutcome& outcome) {
   for (const std::string& line : group_summary(outcome)) fmt::print("{}\n", printable_text(line, 2 * kMaxForeignText));
-  fmt::print("written to {}: group.json, group.png and a folder for each vehicle\n", request.out.string());
+  fmt::print("written to {}: report.html, group.json, group.png and a folder for each vehicle\n", request.out.string());
 }
 
 int conclude_group(const GroupOutcome& outcome) {
   std::set<std::string> warnings;
   for (const RunOutcome& run : outcome.runs) warnings.insert(run.warning);
   for (const std::string& warning : warnings) {
-    if (!warning.empty())
-      std::fprintf(stderr, "isobath: warning: %s\n", printable_text(warning, 1000).c_str());
+    if (!warning.empty()) std::fprintf(stderr, "isobath: warning: %s\n", printable_text(warning, 1000).c_str());
   }
   const std::string failure = outcome.failure();
   if (!failure.empty()) std::fprintf(stderr, "isobath: %s\n", printable_text(failure).c_str());

@@ -1,5 +1,5 @@
-// GroupOutcome: the results of a run of several vehicles in one water, and its files group.json and group.png (ledger
-// S2-50, S2-51).
+// GroupOutcome: the results of a run of several vehicles in one water, and its files group.json, group.png and
+// report.html (ledger S2-50 to S2-52).
 #pragma once
 
 #include <isobath/report/run_outcome.hpp>
@@ -22,6 +22,9 @@ struct GroupOutcome {
 std::string group_text(const GroupOutcome& outcome);
 /// PNG: the lanes and the true tracks.
 std::string draw_group(const GroupRecord& record, const std::string& title);
+/// One page for all vehicles: tracks, figures, levels of command and decisions; it links to the reports of the vehicles,
+/// which lie in folders of their names. `png`: as of draw_group.
+std::string group_report(const GroupOutcome& outcome, const std::string& png);
 /// Lines for a terminal.
 std::vector<std::string> group_summary(const GroupOutcome& outcome);
 

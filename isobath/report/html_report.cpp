@@ -59,6 +59,15 @@ HtmlReport::HtmlReport(const std::string& title, const std::string& lead) : titl
 
 void HtmlReport::heading(const std::string& title) { body_ += "<h2>" + escape_html(title) + "</h2>\n"; }
 void HtmlReport::paragraph(const std::string& text) { body_ += "<p>" + escape_html(text) + "</p>\n"; }
+void HtmlReport::links(const std::vector<std::pair<std::string, std::string>>& links) {
+  body_ += "<p>";
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& [text, path] = links[i];
+    body_ += (i > 0 ? " · " : "") + ("<a href=\"" + escape_html(path)) + "\">" + escape_html(text) + "</a>";
+  }
+  body_ += "</p>\n";
+}
+
 void HtmlReport::warning(const std::string& text) { body_ += "<p class=\"warning\">" + escape_html(text) + "</p>\n"; }
 
 void HtmlReport::figure(const std::string& png, const std::string& caption) {

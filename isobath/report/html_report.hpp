@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace isobath {
@@ -15,6 +16,8 @@ class HtmlReport {
 
   void heading(const std::string& title);
   void paragraph(const std::string& text);
+  /// Links side by side: text and the path of a file beside the report.
+  void links(const std::vector<std::pair<std::string, std::string>>& links);
   /// A highlighted sentence.
   void warning(const std::string& text);
   void figure(const std::string& png, const std::string& caption);

@@ -311,9 +311,13 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
   return picture.png();
 }
 
-void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels) {
+std::string number_or_dash(const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : "-"; }
+
+}  // namespace
+
+void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels, const std::string& heading) {
   if (levels.empty()) return;
-  page.heading("Levels of command");
+  page.heading(heading);
   std::vector<HtmlReport::Row> rows;
   for (const LevelOutcome& level : levels) {
     rows.push_back({to_text(level.level), fmt::format("{}", level.commands), fmt::format("{}", level.without_parent),
@@ -341,10 +345,6 @@ void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels) {
       "commands.");
 }
 
-std::string number_or_dash(const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : "-"; }
-
-}  // namespace
-
 MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m, const ChartSource& source) {
   MissionPictures pictures;
   if (!outcome.believed.empty()) pictures.chart = chart_png(outcome, source);
@@ -367,7 +367,7 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   if (!pictures.clearance.empty()) {
     page.figure(pictures.clearance, "Clearance from the hull to the nearest body, with the numbered decisions.");
   }
-  add_levels(page, outcome.levels);
+  add_levels(page, outcome.levels, "Levels of command");
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
   for (const Decision& d : outcome.decisions) {

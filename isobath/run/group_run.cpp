@@ -81,7 +81,9 @@ GroupOutcome run_group(const RunRequest& request, const Scenario& scenario, std:
   }
   outcome.score = score_of(outcome.record);
   write_whole_file(request.out / "group.json", group_text(outcome));
-  write_whole_file(request.out / "group.png", draw_group(outcome.record, "Tracks of the vehicles"));
+  const std::string picture = draw_group(outcome.record, "Tracks of the vehicles");
+  write_whole_file(request.out / "group.png", picture);
+  write_whole_file(request.out / "report.html", group_report(outcome, picture));
   return outcome;
 }
 

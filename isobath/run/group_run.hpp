@@ -1,6 +1,6 @@
 // run_group: a run of several vehicles in one water (vehicle_group.hpp), each with its own simulator, sonars,
 // navigation errors, maps and agents. Each vehicle writes the files of a run into a folder of its name; beside them
-// stand group.json and group.png. loop_group: the same without files, for evaluations.
+// stand report.html, group.json and group.png. loop_group: the same without files, for evaluations.
 #pragma once
 
 #include <isobath/report/group_outcome.hpp>

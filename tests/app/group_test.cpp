@@ -74,6 +74,12 @@ TEST(Group, SharesAnAreaOverALinkThatLosesPackets) {
     EXPECT_GT(vehicle["link"]["received"].get<int>(), 0);
     EXPECT_GT(vehicle["link"]["lost"].get<int>(), 0) << "the link loses packets";
   }
+  // One page for both, which leads to theirs.
+  const std::string report = test::content_of(folder / "one/report.html");
+  EXPECT_THAT(report, HasSubstr("<a href=\"alpha/report.html\">report of alpha</a>"));
+  EXPECT_THAT(report, HasSubstr("Levels of command of bravo"));
+  EXPECT_THAT(report, HasSubstr("<td>bravo</td>"));
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder / "one/alpha/report.html"));
   // The vehicles err on their own: their navigation has its own errors.
   const auto error_m = [&](const char* name) {
     return test::json_of(folder / "one" / name / "mission.json")["truth"]["navigation_error_last_m"].get<double>();

@@ -346,9 +346,10 @@ TEST_F(CommodoreTest, HandsOnWhatTheOthersTell) {
 // ledger: S2-19
 TEST_F(CommodoreTest, BeginsTogetherWithTheOthers) {
   plan.search.together_s = 120;
-  EXPECT_THAT(only<VisitOrder>(start(0)).at(0).points, ElementsAre(0)) << "first to its first station";
+  add_waiting_places(plan);
+  EXPECT_THAT(only<VisitOrder>(start(0)).at(0).points, ElementsAre(16)) << "first to its waiting place";
   wait(30);
-  visit({0});
+  visit({16});
   EXPECT_THAT(only<VisitOrder>(wait(10)), IsEmpty()) << "bravo is not there yet";
   GroupStatus there = status(1);
   there.ready = true;
@@ -358,13 +359,13 @@ TEST_F(CommodoreTest, BeginsTogetherWithTheOthers) {
   EXPECT_TRUE(told.ready);
   ASSERT_TRUE(told.begin_s);
   EXPECT_EQ(*told.begin_s, 66) << "two and a half turns of 10 s after it heard, and a whole second";
-  EXPECT_THAT(only<VisitOrder>(wait(5)), ElementsAre(testing::Field(&VisitOrder::points, testing::SizeIs(8))));
+  EXPECT_THAT(only<VisitOrder>(wait(5)), ElementsAre(testing::Field(&VisitOrder::points, testing::SizeIs(9))));
   EXPECT_THAT(decided(script->said), testing::Contains("begin together"));
 
   now = 0;
   number = 0;
-  start(1);
-  visit({8});
+  EXPECT_THAT(only<VisitOrder>(start(1)).at(0).points, ElementsAre(18));
+  visit({18});
   GroupStatus leader = status(0);
   leader.begin_s = 66;
   hear(leader);
@@ -375,8 +376,9 @@ TEST_F(CommodoreTest, BeginsTogetherWithTheOthers) {
 // ledger: S2-19
 TEST_F(CommodoreTest, WaitsForAMissingVehicleNoLongerThanTheMissionSays) {
   plan.search.together_s = 40;
+  add_waiting_places(plan);
   start(0);
-  visit({0});
+  visit({16});
   EXPECT_THAT(only<VisitOrder>(wait(39.9)), IsEmpty());
   const auto said = wait(0.2);
   EXPECT_EQ(only<VisitOrder>(said).size(), 1u);

@@ -258,5 +258,27 @@ TEST(Voyage, IsAFunctionOfWhatItHears) {
   EXPECT_EQ(sail(), sail());
 }
 
+// Ten commands of the operator, 0.6 s apart: each is carried out, the last one holds, and within a cycle of 0.6 s after
+// it the Pilot steers for it. ledger: S2-40 S2-32
+TEST(Voyage, FollowTenCommandsInQuickSuccession) {
+  Voyage voyage(three_points());
+  voyage.sail(10);
+  const std::size_t orders = only<MissionOrder>(voyage.said).size(), reports = only<MissionReport>(voyage.said).size();
+  for (int i = 0; i < 10; ++i) {
+    OperatorCommand command;
+    command.kind = i % 2 == 0 ? OperatorCommand::Kind::kHold : OperatorCommand::Kind::kResume;
+    voyage.executor->on_message(command, at(voyage.now));
+    const bool hold = i % 2 == 0;
+    EXPECT_EQ(only<MissionOrder>(voyage.said).size(), orders + static_cast<std::size_t>(i) + 1) << "at once";
+    EXPECT_EQ(only<MissionReport>(voyage.said).size(), reports + static_cast<std::size_t>(i) + 1);
+    EXPECT_EQ(voyage.report().phase, hold ? MissionPhase::kHolding : MissionPhase::kUnderWay);
+    voyage.sail(0.6);
+    EXPECT_EQ(only<HelmOrder>(voyage.said).back().setpoint.speed > 1, !hold) << i;
+  }
+  voyage.sail(300);
+  EXPECT_EQ(voyage.report().phase, MissionPhase::kFinished);
+  EXPECT_EQ(voyage.report().reached, 3u);
+}
+
 }  // namespace
 }  // namespace isobath::voyage_test

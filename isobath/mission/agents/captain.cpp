@@ -32,7 +32,10 @@ void Captain::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* report = std::get_if<PointReport>(&message)) on(*report, out);
   if (const auto* report = std::get_if<MissionReport>(&message)) on(*report, out);
   if (const auto* bid = std::get_if<TaskBid>(&message)) on(*bid);
-  if (const auto* visits = std::get_if<VisitOrder>(&message)) take_order(*visits);
+  if (const auto* visits = std::get_if<VisitOrder>(&message)) {
+    take_order(*visits);
+    plan(out);
+  }
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
   }
@@ -194,6 +197,7 @@ void Captain::on(const PointReport& report, Outbox& out) {
 void Captain::on(const MissionReport& report, Outbox& out) {
   if (report.phase == phase_) return;
   phase_ = report.phase;
+  plan(out);
   const std::string text = fmt::format("mission {}: {} of {} points reached, {} dropped; {}", to_text(report.phase),
                                        report.reached, plan_ ? plan_->points.size() : 0, report.dropped, report.why);
   tell(text, out);

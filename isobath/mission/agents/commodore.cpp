@@ -95,7 +95,7 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   visited_.assign(lanes_.size() * stations_, 0);
   over_ = told_done_ = plan_last_ = at_waiting_place_ = false;
   replanned_ = started_ = now;
-  meets_ = plan_->search.together_s > 0 && members_.size() > 1;
+  meets_ = plan_->search.together_s > 0 && members_.size() > 1 && plan_->points.size() > plan_->search.all_stations();
   ready_ = false;
   begin_at_.reset();
   // All vehicles make the same first plan.
@@ -114,7 +114,7 @@ void Commodore::on(const PointReport& report, Time now, Outbox& out) {
   const bool visited = report.kind == PointReport::Kind::kReached || report.kind == PointReport::Kind::kDropped;
   if (!visited || std::erase(visits_, report.point) == 0) return;
   if (meets_) {
-    ready_ = true;
+    ready_ = at_waiting_place_ = true;
     return;
   }
   at_waiting_place_ = report.point >= visited_.size();
@@ -261,7 +261,11 @@ void Commodore::order(const std::string& why, Time now, Outbox& out) {
   const std::vector<LaneVisit> lanes = visits_of(lanes_, mine, from_W);
   const std::vector<std::size_t> rest = stations_of(lanes, plan_->search);
   std::ranges::copy_if(rest, std::back_inserter(points), [this](std::size_t point) { return is_left(point); });
-  if (meets_) points.resize(ready_ ? 0 : std::min<std::size_t>(points.size(), 1));
+  if (meets_ && !points.empty()) {
+    const auto place = waiting_place(plan_->points[points.front()].north_east);
+    points.clear();
+    if (place && !ready_) points.push_back(*place);
+  }
   const bool stays = points.empty() && at_waiting_place_;
   const auto waiting = waiting_place(points.empty() ? here_W_ : plan_->points[points.back()].north_east);
   if (waiting && !last && !stays && !meets_) points.push_back(*waiting);

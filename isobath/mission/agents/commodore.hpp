@@ -27,7 +27,7 @@
 // Stations that a vehicle told to have visited before it was lost are not visited again: the lane is resumed at the
 // last of them.
 //
-// Where the area has `together_s`, each vehicle goes to its first station and says that it is ready. When all are that
+// Where the area has `together_s`, each vehicle goes to its waiting place and says that it is ready. When all are that
 // the leader hears, it sets a time kAhead_turns turns ahead at which all begin, so that the others hear of it; each
 // vehicle passes it on. After `together_s` from the start of the mission a vehicle waits no longer (S2-19).
 //
@@ -132,7 +132,7 @@ class Commodore final : public Agent {
   std::uint32_t orders_ = 0;
   std::uint16_t number_ = 0;
   bool over_ = false, told_done_ = false, plan_last_ = false, at_waiting_place_ = false;
-  bool meets_ = false;  ///< it goes to its first station, or waits there, until all begin
+  bool meets_ = false;  ///< it goes to its waiting place, or waits there, until all begin
   bool ready_ = false;
   Time started_;                  ///< the mission
   std::optional<Time> begin_at_;  ///< as agreed

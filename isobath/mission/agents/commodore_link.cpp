@@ -152,7 +152,7 @@ void Commodore::on(const GroupPlan& plan, Time now, Outbox& out) {
   if (!known) take(plan, fmt::format("{} shares the lanes anew", name_of_vehicle(plan.from)), now, out);
 }
 
-/// Waits for the others at the first station, until the agreed time.
+/// Waits for the others at its waiting place, until the agreed time.
 void Commodore::meet(Time now, Outbox& out) {
   if (!meets_) return;
   if (begin_at_ && now >= *begin_at_) return begin_lanes("begin together", "as agreed", now, out);

@@ -55,21 +55,21 @@ std::vector<Field> fence_fields(MissionKeys& k) {
 }
 
 std::vector<Field> search_fields(SearchArea& a) {
-  return {
-      Field::numbers("corner", a.corner.data(), 2, kMetres, "m", "Corner of the area: north, east."),
-      Field::degrees("heading_deg", &a.heading, {-360, 360}, "Heading of the lanes."),
-      Field::real("length_m", &a.length_m, {0, 1e4}, "m", "Length of the area along the heading; 0: no area."),
-      Field::real("breadth_m", &a.breadth_m, {1, 1e4}, "m", "Breadth of the area, to starboard of the corner."),
-      Field::real("spacing_m", &a.spacing_m, {1, 1e3}, "m", "Greatest distance between two lanes."),
-      Field::real("station_m", &a.station_m, {1, 1e4}, "m", "Greatest distance between two stations of a lane."),
-      Field::real("together_s", &a.together_s, {0, 86400}, "s",
-                  "How long the vehicles of a group wait for one another at their first lanes, to begin together; 0: "
-                  "each begins as soon as it is there."),
-      Field::real("run_out_m", &a.run_out_m, {0, 1000}, "m",
-                  "Length of a lane beyond the area at both ends, where the vehicle turns."),
-      Field::real("depth_m", &a.depth_m, {0, 12000}, "m", "Depth of the lanes."),
-      Field::real("drop_distance_m", &a.drop_distance_m, {0, 1000}, "m",
-                  "An obstacle that is nearer to a station blocks it; 0: navigator.drop_distance_m.")};
+  return {Field::numbers("corner", a.corner.data(), 2, kMetres, "m", "Corner of the area: north, east."),
+          Field::degrees("heading_deg", &a.heading, {-360, 360}, "Heading of the lanes."),
+          Field::real("length_m", &a.length_m, {0, 1e4}, "m", "Length of the area along the heading; 0: no area."),
+          Field::real("breadth_m", &a.breadth_m, {1, 1e4}, "m", "Breadth of the area, to starboard of the corner."),
+          Field::real("spacing_m", &a.spacing_m, {1, 1e3}, "m", "Greatest distance between two lanes."),
+          Field::real("station_m", &a.station_m, {1, 1e4}, "m", "Greatest distance between two stations of a lane."),
+          Field::real(
+              "together_s", &a.together_s, {0, 86400}, "s",
+              "How long the vehicles of a group wait for one another before their first lanes, to begin together; 0: "
+              "each begins as soon as it is there."),
+          Field::real("run_out_m", &a.run_out_m, {0, 1000}, "m",
+                      "Length of a lane beyond the area at both ends, where the vehicle turns."),
+          Field::real("depth_m", &a.depth_m, {0, 12000}, "m", "Depth of the lanes."),
+          Field::real("drop_distance_m", &a.drop_distance_m, {0, 1000}, "m",
+                      "An obstacle that is nearer to a station blocks it; 0: navigator.drop_distance_m.")};
 }
 
 std::vector<Field> point_fields(PointKeys& k) {

@@ -29,7 +29,8 @@ struct SearchArea {
   double spacing_m = 10;                             ///< greatest distance between two lanes
   double station_m = 30;                             ///< greatest distance between two stations of a lane
   double run_out_m = 6;                              ///< of a lane beyond the area, at both ends; 0: none
-  double together_s = 0;  ///< how long the vehicles of a group wait for one another at their first lanes; 0: not at all
+  double together_s =
+      0;  ///< how long the vehicles of a group wait for one another at their waiting places; 0: not at all
   double depth_m = 1;
   double drop_distance_m = 4;  ///< an obstacle that is nearer to a station blocks it
 
