@@ -22,8 +22,8 @@ struct GroupOutcome {
 std::string group_text(const GroupOutcome& outcome);
 /// PNG: the lanes and the true tracks.
 std::string draw_group(const GroupRecord& record, const std::string& title);
-/// One page for all vehicles: tracks, figures, levels of command and decisions; it links to the reports of the vehicles,
-/// which lie in folders of their names. `png`: as of draw_group.
+/// One page for all vehicles: tracks, figures, levels of command and decisions; it links to the reports of the
+/// vehicles, which lie in folders of their names. `png`: as of draw_group.
 std::string group_report(const GroupOutcome& outcome, const std::string& png);
 /// Lines for a terminal.
 std::vector<std::string> group_summary(const GroupOutcome& outcome);

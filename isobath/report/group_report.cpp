@@ -79,7 +79,7 @@ std::string group_report(const GroupOutcome& outcome, const std::string& png) {
   }
   for (std::size_t v = 0; v < outcome.runs.size(); ++v) {
     if (!outcome.runs[v].mission) continue;
-    add_levels(page, outcome.runs[v].mission->levels, "Levels of command of " + record.vehicles[v].name);
+    add_command_levels(page, outcome.runs[v].mission->levels, "Levels of command of " + record.vehicles[v].name);
   }
   add_all_decisions(page, outcome);
   return page.html();

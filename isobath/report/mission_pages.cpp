@@ -315,7 +315,7 @@ std::string number_or_dash(const std::optional<double>& value) { return value ? 
 
 }  // namespace
 
-void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels, const std::string& heading) {
+void add_command_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels, const std::string& heading) {
   if (levels.empty()) return;
   page.heading(heading);
   std::vector<HtmlReport::Row> rows;
@@ -367,7 +367,7 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   if (!pictures.clearance.empty()) {
     page.figure(pictures.clearance, "Clearance from the hull to the nearest body, with the numbered decisions.");
   }
-  add_levels(page, outcome.levels, "Levels of command");
+  add_command_levels(page, outcome.levels, "Levels of command");
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
   for (const Decision& d : outcome.decisions) {

@@ -23,7 +23,7 @@ struct MissionPictures {
 MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m, const ChartSource& source);
 
 /// What the levels of command did, beside the timing table; nothing without levels.
-void add_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels, const std::string& heading);
+void add_command_levels(HtmlReport& page, const std::vector<LevelOutcome>& levels, const std::string& heading);
 void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionPictures& pictures);
 
 /// The outcome as lines for a terminal: how the mission ended, and each decision that changed the route.
