@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <isobath/geometry/cone_integral.hpp>
 #include <isobath/geometry/segment.hpp>
 #include <isobath/planning/grid_search.hpp>
 #include <isobath/planning/route_grid.hpp>
@@ -143,17 +144,10 @@ void Router::add_wishes(RouteGrid& grid) const {
 
 /// Its length, and what the costly areas add.
 double Router::cost_of(const Way& way) const {
-  constexpr double kPiece = 0.5;  // m
   double cost = length_of(way);
-  for (std::size_t i = 1; i < way.size() && !task_.costly.empty(); ++i) {
-    const Vector2d leg = way[i] - way[i - 1];
-    const int pieces = static_cast<int>(std::clamp(std::ceil(leg.norm() / kPiece), 1.0, 1e6));
-    for (int k = 0; k < pieces; ++k) {
-      const Vector2d p = way[i - 1] + (k + 0.5) / pieces * leg;
-      for (const CostlyArea& area : task_.costly) {
-        const double share = std::max(0.0, 1 - (p - area.centre).norm() / area.radius_m);
-        cost += leg.norm() / pieces * area.extra * share;
-      }
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    for (const CostlyArea& area : task_.costly) {
+      cost += area.extra * cone_integral(way[i - 1], way[i], area.centre, area.radius_m);
     }
   }
   return cost;

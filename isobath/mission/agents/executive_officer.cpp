@@ -17,6 +17,13 @@ PlanAction at_point(const char* name, std::size_t point) { return {name, {{"poin
 
 int index(std::size_t point) { return static_cast<int>(point); }
 
+/// The point that the action names, if it is one of so many.
+std::optional<std::size_t> point_of_action(const PlanAction& action, std::size_t points) {
+  const auto number = action.number("point");
+  if (!number || *number < 0 || *number >= static_cast<double>(points)) return std::nullopt;
+  return static_cast<std::size_t>(*number);
+}
+
 // Adds the nodes of an ending; returns the first of them.
 std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, std::size_t points,
                     const ExecutiveConfig& config) {
@@ -161,11 +168,8 @@ std::vector<std::size_t> ExecutiveOfficer::points_left() const {
   seen[executor_->node()] = 1;
   for (; !open.empty(); open.pop_front()) {
     const std::size_t node = open.front();
-    const auto number = graph.nodes[node].action.number("point");
-    if (number && *number >= 0 && *number < static_cast<double>(points_.size())) {
-      const auto point = static_cast<std::size_t>(*number);
-      if (std::ranges::find(points, point) == points.end()) points.push_back(point);
-    }
+    const auto point = point_of_action(graph.nodes[node].action, points_.size());
+    if (point && std::ranges::find(points, *point) == points.end()) points.push_back(*point);
     for (const PlanArc& arc : graph.arcs) {
       if (arc.from == node && !std::exchange(seen[arc.to], 1)) open.push_back(arc.to);
     }
@@ -198,10 +202,8 @@ std::optional<Eigen::Vector2d> ExecutiveOfficer::next_W() const {
   for (const PlanArc& arc : graph.arcs) {
     if (arc.from != executor_->node() || arc.event != there) continue;
     const PlanAction& next = graph.nodes[arc.to].action;
-    const auto number = next.number("point");
-    const bool goes_on =
-        next.name == "go to" && number && *number >= 0 && *number < static_cast<double>(points_.size());
-    return goes_on ? std::optional(points_[static_cast<std::size_t>(*number)].north_east) : std::nullopt;
+    const auto point = point_of_action(next, points_.size());
+    return next.name == "go to" && point ? std::optional(points_[*point].north_east) : std::nullopt;
   }
   return std::nullopt;
 }
@@ -354,9 +356,9 @@ void ExecutiveOfficer::cycle(Outbox& out) {
 }
 
 void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {
-  const auto number = action.number("point");
-  const bool known = number && *number >= 0 && *number < static_cast<double>(points_.size());
-  if (known) point_ = static_cast<std::size_t>(*number);
+  const auto point = point_of_action(action, points_.size());
+  const bool known = point.has_value();
+  if (known) point_ = *point;
   if (action.name == "go to" && known) {
     approaches_ = 1;
     out.say(PointReport{PointReport::Kind::kTaken, point_, name_of(points_[point_], point_)});

@@ -188,20 +188,6 @@ void Navigator::look(Outbox& out) {
   note_plan(out);
 }
 
-void Navigator::note_plan(Outbox& out) {
-  double metres = 0;
-  if (request_ && here_ && !way_.empty()) {
-    Vector2d last = place_of(*here_);
-    for (const Waypoint& w : way_) {
-      metres += (Vector2d(w.north, w.east) - last).norm();
-      last = {w.north, w.east};
-    }
-    if (request_->then_W) metres += (*request_->then_W - last).norm();
-  }
-  plans_.note(now_, metres > 0 ? metres / std::max(wanted_speed(), 0.01) : 0, version_ != noted_, out);
-  noted_ = version_;
-}
-
 /// Whether the Goal Selector is to know the still hazards; removes those that move while it steers past them. It has
 /// kLasts to begin.
 bool Navigator::hand_over_moving(std::vector<Hazard>& hazards) {

@@ -10,6 +10,17 @@ namespace isobath {
 
 using Eigen::Vector2d;
 
+namespace {
+
+/// From the vehicle along the way-points, in W.
+std::vector<Vector2d> way_ahead(const Navigation& here, const std::vector<Waypoint>& way) {
+  std::vector<Vector2d> ahead{here.X_WB.translation.head<2>()};
+  for (const Waypoint& w : way) ahead.emplace_back(w.north, w.east);
+  return ahead;
+}
+
+}  // namespace
+
 Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   RouteConfig config = route_;
   config.max_expanded = max_expanded();
@@ -97,11 +108,20 @@ double Navigator::speed_on(const View& view, const Way& way) const {
   return tight ? std::min(speed, std::max(config_.tight_speed * speed, vehicle_.min_speed)) : speed;
 }
 
-/// Of the rest of the route.
+/// The rest of the route: what it costs.
 std::string Navigator::cost_text() const {
-  Way way_W{here_->X_WB.translation.head<2>()};
-  for (const Waypoint& w : way_) way_W.emplace_back(w.north, w.east);
-  return to_text(cost_of_way(way_W, wanted_speed(), plan_->priorities, plan_->risks));
+  return to_text(cost_of_way(way_ahead(*here_, way_), wanted_speed(), plan_->priorities, plan_->risks));
+}
+
+void Navigator::note_plan(Outbox& out) {
+  double metres = 0;
+  if (request_ && here_ && !way_.empty()) {
+    std::vector<Vector2d> ahead = way_ahead(*here_, way_);
+    if (request_->then_W) ahead.push_back(*request_->then_W);
+    metres = length_of(ahead);
+  }
+  plans_.note(now_, metres > 0 ? metres / std::max(wanted_speed(), 0.01) : 0, version_ != noted_, out);
+  noted_ = version_;
 }
 
 }  // namespace isobath

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/geometry/cone_integral.hpp>
 #include <isobath/mission/plan/priorities.hpp>
 
 namespace isobath {
@@ -9,7 +10,6 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kPiece_m = 0.5;
 constexpr double kLeastWeight = 1e-3;  // of a second: a way without cost has no shortest one
 
 double weight_of(const RiskArea& area, const Priorities& priorities) {
@@ -43,16 +43,10 @@ WayCost cost_of_way(std::span<const Vector2d> way_W, double speed, const Priorit
   WayCost cost;
   double length_m = 0, seen = 0, hit = 0;  // -ln P
   for (std::size_t i = 1; i < way_W.size(); ++i) {
-    const Vector2d leg = way_W[i] - way_W[i - 1];
-    const double leg_m = leg.norm();
-    length_m += leg_m;
-    const int pieces = static_cast<int>(std::clamp(std::ceil(leg_m / kPiece_m), 1.0, 1e6));
-    for (int k = 0; k < pieces && !areas.empty(); ++k) {
-      const Vector2d here = way_W[i - 1] + (k + 0.5) / pieces * leg;
-      for (const RiskArea& area : areas) {
-        const double share = std::max(0.0, 1 - (here - area.centre_W).norm() / area.radius_m);
-        (area.kind == RiskArea::Kind::kDetection ? seen : hit) += share * area.per_minute / 60 * leg_m / pieces / speed;
-      }
+    length_m += (way_W[i] - way_W[i - 1]).norm();
+    for (const RiskArea& area : areas) {
+      const double at_centre_s = cone_integral(way_W[i - 1], way_W[i], area.centre_W, area.radius_m) / speed;
+      (area.kind == RiskArea::Kind::kDetection ? seen : hit) += area.per_minute / 60 * at_centre_s;
     }
   }
   cost.time_s = length_m / speed;
