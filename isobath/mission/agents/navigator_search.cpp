@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 namespace {
 
 /// From the vehicle along the way-points, in W.
-std::vector<Vector2d> way_ahead(const Navigation& here, const std::vector<Waypoint>& way) {
+std::vector<Vector2d> way_to_point(const Navigation& here, const std::vector<Waypoint>& way) {
   std::vector<Vector2d> ahead{here.X_WB.translation.head<2>()};
   for (const Waypoint& w : way) ahead.emplace_back(w.north, w.east);
   return ahead;
@@ -110,13 +110,13 @@ double Navigator::speed_on(const View& view, const Way& way) const {
 
 /// The rest of the route: what it costs.
 std::string Navigator::cost_text() const {
-  return to_text(cost_of_way(way_ahead(*here_, way_), wanted_speed(), plan_->priorities, plan_->risks));
+  return to_text(cost_of_way(way_to_point(*here_, way_), wanted_speed(), plan_->priorities, plan_->risks));
 }
 
 void Navigator::note_plan(Outbox& out) {
   double metres = 0;
   if (request_ && here_ && !way_.empty()) {
-    std::vector<Vector2d> ahead = way_ahead(*here_, way_);
+    std::vector<Vector2d> ahead = way_to_point(*here_, way_);
     if (request_->then_W) ahead.push_back(*request_->then_W);
     metres = length_of(ahead);
   }
