@@ -41,7 +41,7 @@ struct WayCost {
   double detected = 0, destroyed = 0;  ///< probabilities
   double total_s = 0;                  ///< J
 };
-/// Of legs through these places (north, east) at one speed, m/s; accurate to 0.5 m of way.
+/// The cost of legs through these places (north, east) at one speed, m/s; sampled every 0.5 m (cone_integral).
 WayCost cost_of_way(std::span<const Eigen::Vector2d> way_W, double speed, const Priorities& priorities,
                     std::span<const RiskArea> areas);
 /// "cost 215 s: 100 s, detected with 12 %".
