@@ -59,7 +59,7 @@ void LivePages(benchmark::State& state) {
     WebServerConfig config;
     config.port = 0;
     WebSite site;
-    site.open_session = [&] { return std::make_unique<PageSession>(sources); };
+    site.sockets["/socket"] = [&] { return std::make_unique<PageSession>(sources); };
     WebServer server(config, std::move(site));
 
     std::optional<test::SocketPage> stalled;

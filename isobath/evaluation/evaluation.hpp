@@ -72,8 +72,9 @@ struct StageSummary {
 struct GroupSummary {
   std::size_t runs = 0;
   Spread searched, overlap, all_searched_s, separation_m, reassigned_s, bit_rate;
-  Spread overlap_unlost;  ///< of the runs that lost no vehicle
-  Share reassigned;       ///< of the runs that lost a vehicle; the lost one may have had nothing left to do
+  Spread passage_shared_s;  ///< of the runs with a passage
+  Spread overlap_unlost;    ///< of the runs that lost no vehicle
+  Share reassigned;         ///< of the runs that lost a vehicle; the lost one may have had nothing left to do
 };
 
 struct Summary {

@@ -64,6 +64,7 @@ ordered_json group_json(const GroupSummary& g) {
           {"separation_m", json_of(g.separation_m)},
           {"reassigned", json_of(g.reassigned)},
           {"reassigned_s", json_of(g.reassigned_s)},
+          {"passage_shared_s", json_of(g.passage_shared_s)},
           {"bit_rate", json_of(g.bit_rate)}};
 }
 

@@ -83,6 +83,8 @@ std::vector<Field> bar_fields(BarsConfig& c) {
           "Maximum share of the area that two or more vehicles search, in every run that loses none; -1: no bar."),
       Field::real("separation_m", &c.separation_m, {-1, 1000}, "m",
                   "Minimum distance between the hulls of two vehicles, in every run; -1: no bar."),
+      Field::real("passage_shared_s", &c.passage_shared_s, {-1, 1e6}, "s",
+                  "Maximum time that two vehicles are within one passage, in every run; -1: no bar."),
       Field::real("bit_rate", &c.bit_rate, {-1, 1e6}, "bit/s",
                   "Maximum rate that one vehicle of a group sends, in every run; -1: no bar."),
   };

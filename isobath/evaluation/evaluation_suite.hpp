@@ -92,7 +92,8 @@ struct BarsConfig {
   double searched_share = -1;
   double overlap_share = -1;  ///< where no vehicle is lost
   double separation_m = -1;
-  double bit_rate = -1;  ///< bit/s of each vehicle
+  double passage_shared_s = -1;  ///< how long two vehicles are within one passage
+  double bit_rate = -1;          ///< bit/s of each vehicle
 };
 
 struct Suite {

@@ -53,6 +53,9 @@ std::vector<std::vector<std::string>> group_table(const Evaluation& evaluation) 
   row("... least", [](const Summary& s) { return fmt::format("{:.2f}", s.group.separation_m.least); });
   row("vehicle lost, its lanes shared anew", [](const Summary& s) { return cell_text(s.group.reassigned); });
   row("... after, s", [](const Summary& s) { return cell_text(s.group.reassigned_s, 0); });
+  row("two in one passage, s, most", [](const Summary& s) {
+    return s.group.passage_shared_s.count > 0 ? fmt::format("{:.1f}", s.group.passage_shared_s.most) : std::string();
+  });
   row("bit/s of the vehicle that sent most", [](const Summary& s) { return cell_text(s.group.bit_rate, 1); });
   row("minimum clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
   row("stations dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });

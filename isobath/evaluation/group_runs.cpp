@@ -17,6 +17,7 @@ GroupRunScore group_score(const GroupRecord& record) {
   s.all_searched_s = score.all_searched_s.value_or(-1);
   if (std::isfinite(record.least_separation_m)) s.separation_m = record.least_separation_m;
   s.reassigned_s = score.reassigned_s.value_or(-1);
+  if (!record.plan.passages.empty() && s.vehicles > 1) s.passage_shared_s = record.passage_shared_s;
   for (std::size_t v = 0; v < record.vehicles.size(); ++v) {
     s.bit_rate = std::max(s.bit_rate, record.bit_rate(v));
     if (record.vehicles[v].lost_s) s.lost_s = *record.vehicles[v].lost_s;
@@ -69,7 +70,7 @@ ShownRun run_group_method(const ComparedMethod& method, const SuiteRun& run, Run
 
 GroupSummary summarise_groups(const std::vector<ScoredRun>& runs, std::size_t method) {
   GroupSummary s;
-  std::vector<double> searched, overlap, unlost, all, separation, reassigned, bits;
+  std::vector<double> searched, overlap, unlost, all, separation, reassigned, shared, bits;
   std::size_t lost = 0;
   for (const ScoredRun& run : runs) {
     const GroupRunScore& g = run.scores[method].group;
@@ -83,6 +84,7 @@ GroupSummary summarise_groups(const std::vector<ScoredRun>& runs, std::size_t me
     if (g.vehicles > 1) separation.push_back(g.separation_m);
     lost += g.lost_s >= 0;
     if (g.reassigned_s >= 0) reassigned.push_back(g.reassigned_s);
+    if (g.passage_shared_s >= 0) shared.push_back(g.passage_shared_s);
   }
   s.reassigned = share(reassigned.size(), lost);
   s.searched = spread(searched);
@@ -91,6 +93,7 @@ GroupSummary summarise_groups(const std::vector<ScoredRun>& runs, std::size_t me
   s.all_searched_s = spread(all);
   s.separation_m = spread(separation);
   s.reassigned_s = spread(reassigned);
+  s.passage_shared_s = spread(shared);
   s.bit_rate = spread(bits);
   return s;
 }
@@ -107,6 +110,10 @@ void add_broken_bars(const BarsConfig& bars, const GroupSummary& g, std::vector<
   }
   if (bars.separation_m >= 0 && g.separation_m.count > 0 && g.separation_m.least < bars.separation_m) {
     broken.push_back(fmt::format("separation_m: {:.2f} m, at least {:g}", g.separation_m.least, bars.separation_m));
+  }
+  if (bars.passage_shared_s >= 0 && g.passage_shared_s.count > 0 && g.passage_shared_s.most > bars.passage_shared_s) {
+    broken.push_back(fmt::format("passage_shared_s: {:.1f} s in a run, at most {:g}", g.passage_shared_s.most,
+                                 bars.passage_shared_s));
   }
   if (bars.bit_rate >= 0 && g.bit_rate.most > bars.bit_rate) {
     broken.push_back(fmt::format("bit_rate: {:.1f} bit/s, at most {:g}", g.bit_rate.most, bars.bit_rate));

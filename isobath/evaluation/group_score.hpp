@@ -11,6 +11,7 @@ struct GroupRunScore {
   double separation_m = -1;          ///< least, between two hulls; -1: one vehicle
   double lost_s = -1;                ///< when a vehicle was lost; -1: none
   double reassigned_s = -1;          ///< from then until its lanes were shared anew; -1: they were not
+  double passage_shared_s = -1;      ///< two vehicles were within one passage for so long; -1: there is none
   double bit_rate = 0;               ///< of the vehicle that sent most, bit/s
 };
 

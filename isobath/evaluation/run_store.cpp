@@ -9,7 +9,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StoryCheck, after_s, scans, failure, min_inje
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RulesScore, give_way, passed_astern, head_on, passed_port_to_port, stand_on,
                                    stood_on)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupRunScore, vehicles, searched, overlap, all_searched_s, separation_m, lost_s,
-                                   reassigned_s, bit_rate)
+                                   reassigned_s, passage_shared_s, bit_rate)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunScore, collision, near_miss, encounter, contact_s, contact_with, min_clearance_m,
                                    nearest_body, goal_reached, goal_s, goal_distance_m, refused, points_dropped, path_m,
                                    duration_s, path_ratio, time_ratio, delay_pings, first_range_m, range_error_m,

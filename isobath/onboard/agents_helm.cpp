@@ -22,6 +22,7 @@ bool finite_fix(const Navigation& fix) {
 void MissionLog::note(const Envelope& envelope) {
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions.push_back(*decision);
   if (const auto* said = std::get_if<MissionReport>(&envelope.message)) report = *said;
+  if (const auto* order = std::get_if<SonarOrder>(&envelope.message)) sonar = *order;
   const auto* command = std::get_if<OperatorCommand>(&envelope.message);
   if (command && command->kind == OperatorCommand::Kind::kAcknowledge) acknowledged = true;
   const auto* frame = std::get_if<LinkFrame>(&envelope.message);
@@ -63,7 +64,7 @@ void AgentsHelm::on_fix(const Navigation& fix) {
   if (!finite_fix(fix)) return;
   Navigation own = fix;
   own.time += clock_.offset();
-  if (own.covariance) sigma_m_ = std::sqrt(std::max(0.0, (*own.covariance)(0, 0) + (*own.covariance)(1, 1)) / 2);
+  sigma_m_ = sigma_m_of(own).value_or(sigma_m_);
   executor_->on_message(own, now());
   if (!first_fix_) first_fix_ = now();
   if (begun_ || plan_->waits_for_operator || !(looked_ || now() - *first_fix_ > kLongestWarmUp)) return;

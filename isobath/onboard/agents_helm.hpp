@@ -88,6 +88,7 @@ struct MissionLog {
   std::vector<Decision> decisions;
   std::vector<FrameBytes> frames;        ///< for the operator, until they are fetched
   std::vector<FrameBytes> group_frames;  ///< likewise for the other vehicles
+  std::optional<SonarOrder> sonar;       ///< the last, until it is fetched
   bool acknowledged = false;             ///< the operator has acknowledged the alarms since this was last fetched
 
   void note(const Envelope& envelope);

@@ -38,6 +38,8 @@ class Helm : public ResultSink {
   [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
   /// Likewise for the other vehicles of the group (group_words.hpp).
   [[nodiscard]] virtual std::vector<FrameBytes> to_group() { return {}; }
+  /// How the scanning sonar is to look from now on, if that has been ordered since the last call.
+  [[nodiscard]] virtual std::optional<SonarOrder> take_sonar_order() { return std::nullopt; }
   /// Whether the operator has acknowledged the alarms since the last call.
   [[nodiscard]] virtual bool take_acknowledgement() { return false; }
   /// `recorder` gets every message of the agents, in order (bus.hpp).

@@ -138,6 +138,11 @@ Setpoint Onboard::steer() {
     pipeline_.acknowledge_alarms();
     depths_.acknowledge_alarms();
   }
+  if (const auto order = helm_->take_sonar_order()) {
+    const std::lock_guard lock(scan_mutex_);
+    scan_ordered_ = order->scan.has_value();
+    scan_command_ = order->scan.value_or(ScanCommand{.as_configured = true});
+  }
   beside_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_setpoint(now_, setpoint);
   beside_.leave();
@@ -195,7 +200,7 @@ void Onboard::on_scan(const ScanResult& scan) {
   if (sphere_.grid()) {
     if (const auto command = scan_steering_.on_sweep(*sphere_.grid(), scan.detection.X_WB)) {
       const std::lock_guard lock(scan_mutex_);
-      scan_command_ = command;
+      if (!scan_ordered_) scan_command_ = command;
     }
   }
   load_.enter(Stage::kVoxels);

@@ -63,7 +63,8 @@ class Onboard : private ResultSink {
   void on_event(Event event);
   /// Call after each event. Requires a helm.
   Setpoint steer();
-  /// A command for the scanning sonar since the last call, if the configuration steers it. Any thread.
+  /// A command for the scanning sonar since the last call: of the helm or, while that orders nothing, by the spherical
+  /// grid, if the configuration steers it. Any thread.
   std::optional<ScanCommand> take_scan_command();
   /// Live: waits until all events are mapped and the agents have handled all messages. Otherwise returns at once.
   void settle();
@@ -114,6 +115,7 @@ class Onboard : private ResultSink {
   PassiveContacts contacts_;
   std::mutex scan_mutex_;
   std::optional<ScanCommand> scan_command_;  ///< guarded by scan_mutex_
+  bool scan_ordered_ = false;                ///< the helm has ordered how the sonar looks; guarded by scan_mutex_
   WorldSnapshot world_;                      ///< what the helm gets
   double reach_m_;
   Duration depths_interval_;               ///< 0: the helm does not get the depth map

@@ -36,6 +36,9 @@ class SerialHelm : public AgentsHelm {
   /// The frames since the last event.
   [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
   [[nodiscard]] std::vector<FrameBytes> to_group() override { return std::exchange(book_.group_frames, {}); }
+  [[nodiscard]] std::optional<SonarOrder> take_sonar_order() override {
+    return std::exchange(book_.sonar, std::nullopt);
+  }
   [[nodiscard]] bool take_acknowledgement() override { return std::exchange(book_.acknowledged, false); }
   [[nodiscard]] ExecutorCounts executor_counts() const override { return executor_.counts(); }
 

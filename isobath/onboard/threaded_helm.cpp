@@ -73,6 +73,11 @@ std::vector<FrameBytes> ThreadedHelm::to_group() {
   return std::exchange(state_->book.group_frames, {});
 }
 
+std::optional<SonarOrder> ThreadedHelm::take_sonar_order() {
+  const std::lock_guard lock(state_->book_mutex);
+  return std::exchange(state_->book.sonar, std::nullopt);
+}
+
 bool ThreadedHelm::take_acknowledgement() {
   const std::lock_guard lock(state_->book_mutex);
   return std::exchange(state_->book.acknowledged, false);

@@ -35,6 +35,7 @@ class ThreadedHelm : public AgentsHelm {
   void show_messages_to(const Recorder& recorder) override;
   [[nodiscard]] std::vector<FrameBytes> to_operator() override;
   [[nodiscard]] std::vector<FrameBytes> to_group() override;
+  [[nodiscard]] std::optional<SonarOrder> take_sonar_order() override;
   [[nodiscard]] bool take_acknowledgement() override;
   [[nodiscard]] ExecutorCounts executor_counts() const override;
   /// Waits until the agents have handled all messages; lost agents are not waited for.

@@ -79,6 +79,7 @@ const char* to_text(HazardKind kind) {
     case HazardKind::kInjected: return "injected";
     case HazardKind::kMoving: return "moving";
     case HazardKind::kVehicle: return "vehicle of the group";
+    case HazardKind::kBlocked: return "blocked passage";
   }
   return "";
 }

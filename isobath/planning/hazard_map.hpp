@@ -35,7 +35,8 @@ enum class HazardKind : std::uint8_t {
   kFence,
   kInjected,
   kMoving,
-  kVehicle
+  kVehicle,
+  kBlocked  ///< a passage that a vehicle of the group waited for in vain
 };
 const char* to_text(HazardKind kind);
 

@@ -89,6 +89,7 @@ Content content_of(const ChartedHazards& m) {
   return content;
 }
 Content content_of(const GroupHazards& m) { return {{"hazards", m.hazards.size()}}; }
+Content content_of(const PassageWait& m) { return {{"waits", m.waits}, {"why", m.why}}; }
 Content content_of(const GroupObstacles& m) {
   Content all = Content::array();
   for (const ToldObstacle& o : m.obstacles) {
@@ -103,6 +104,14 @@ Content content_of(const GroupObstacles& m) {
 Content content_of(const LevelPlan& m) {
   return {{"of_level", to_text(m.level)}, {"horizon_s", exact_enough(m.horizon_s)}, {"changed", m.changed}};
 }
+Content content_of(const SonarOrder& m) {
+  Content content{{"as_configured", !m.scan}};
+  if (!m.scan) return content;
+  if (m.scan->sector) content["sector"] = exact_enough(*m.scan->sector);
+  if (m.scan->middle) content["middle"] = exact_enough(*m.scan->middle);
+  if (m.scan->range_m) content["range"] = exact_enough(*m.scan->range_m);
+  return content;
+}
 Content content_of(const OperatorCommand& m) {
   static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat", "acknowledge"};
   return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
@@ -111,7 +120,7 @@ Content content_of(const MissionOrder& m) {
   return {{"order", to_text(m.kind)}, {"plan", plan_content(m.plan)}, {"end", to_text(m.end)}, {"why", m.why}};
 }
 Content content_of(const VisitOrder& m) {
-  return {{"version", m.version}, {"points", m.points}, {"last", m.last}, {"why", m.why}};
+  return {{"version", m.version}, {"points", m.points}, {"last", m.last}, {"given_up", m.given_up}, {"why", m.why}};
 }
 Content content_of(const PointMoved& m) { return {{"point", m.point}, {"north_east", components_of<2>(m.north_east)}}; }
 Content content_of(const RouteRequest& m) {
@@ -134,8 +143,10 @@ Content content_of(const RouteRefused& m) {
   return content;
 }
 Content content_of(const PointReport& m) {
-  static constexpr const char* kNames[] = {"reached", "dropped", "taken", "avoiding"};
-  return {{"report", kNames[static_cast<std::size_t>(m.kind)]}, {"point", m.point}, {"why", m.why}};
+  static constexpr const char* kNames[] = {"reached", "dropped", "taken", "avoiding", "task", "told"};
+  Content content{{"report", kNames[static_cast<std::size_t>(m.kind)]}, {"point", m.point}, {"why", m.why}};
+  if (m.no_way) content["no_way"] = true;
+  return content;
 }
 Content content_of(const MissionReport& m) {
   return {{"phase", to_text(m.phase)}, {"reached", m.reached}, {"dropped", m.dropped}, {"why", m.why}};

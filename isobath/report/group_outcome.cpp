@@ -33,6 +33,8 @@ std::string group_text(const GroupOutcome& outcome) {
   json["least_separation_m"] =
       or_null(std::isfinite(record.least_separation_m) ? std::optional(record.least_separation_m) : std::nullopt);
   json["least_separation_s"] = record.least_separation_s;
+  json["passage_shared_s"] =
+      or_null(record.plan.passages.empty() ? std::nullopt : std::optional(record.passage_shared_s));
   json["failure"] = outcome.failure();
   json["vehicles"] = nlohmann::ordered_json::array();
   for (std::size_t v = 0; v < record.vehicles.size(); ++v) {
@@ -52,11 +54,16 @@ std::string group_text(const GroupOutcome& outcome) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::vector<std::string> group_summary(const GroupOutcome& outcome) {
+namespace {
+
+std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+
+}  // namespace
+
+std::vector<std::string> group_facts(const GroupOutcome& outcome) {
   const GroupRecord& record = outcome.record;
   const GroupScore& score = outcome.score;
   std::vector<std::string> lines;
-  const auto percent = [](double share) { return fmt::format("{:.1f} %", 100 * share); };
   lines.push_back(fmt::format("{} vehicles searched {} of an area of {} lanes in {:.0f} s, and {} of it twice or more",
                               record.vehicles.size(), percent(score.searched), record.plan.search.lanes(),
                               record.duration_s, percent(score.overlap)));
@@ -68,6 +75,18 @@ std::vector<std::string> group_summary(const GroupOutcome& outcome) {
     lines.push_back(fmt::format("least separation of two hulls: {:.1f} m, at {:.0f} s", record.least_separation_m,
                                 record.least_separation_s));
   }
+  if (!record.plan.passages.empty()) {
+    lines.push_back(record.passage_shared_s > 0
+                        ? fmt::format("two vehicles were in one passage for {:.1f} s", record.passage_shared_s)
+                        : std::string("no two vehicles were in one passage at a time"));
+  }
+  return lines;
+}
+
+std::vector<std::string> group_summary(const GroupOutcome& outcome) {
+  const GroupRecord& record = outcome.record;
+  const GroupScore& score = outcome.score;
+  std::vector<std::string> lines = group_facts(outcome);
   for (std::size_t v = 0; v < record.vehicles.size(); ++v) {
     const GroupVehicleRecord& vehicle = record.vehicles[v];
     const LinkCounts& n = vehicle.link;

@@ -25,7 +25,9 @@ std::string draw_group(const GroupRecord& record, const std::string& title);
 /// One page for all vehicles: tracks, figures, levels of command and decisions; it links to the reports of the
 /// vehicles, which lie in folders of their names. `png`: as of draw_group.
 std::string group_report(const GroupOutcome& outcome, const std::string& png);
-/// Lines for a terminal.
+/// What the vehicles did together, one fact a line.
+std::vector<std::string> group_facts(const GroupOutcome& outcome);
+/// The same and a line for each vehicle, for a terminal.
 std::vector<std::string> group_summary(const GroupOutcome& outcome);
 
 }  // namespace isobath

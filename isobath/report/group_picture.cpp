@@ -34,7 +34,12 @@ std::string draw_group(const GroupRecord& record, const std::string& title) {
   for (const TrueBody& body : record.bodies) {
     picture.polygon(body.outline, {palette::kInk, 1.5, false}, {0.3, 0.25, 0.2, 0.6});
   }
+  const Colour& of_passage = kVehicles[4];
+  for (const GroupPassage& passage : record.plan.passages) {
+    picture.polygon(passage.outline, {of_passage, 1.5, true}, {of_passage.red, of_passage.green, of_passage.blue, 0.1});
+  }
   std::vector<PlanPicture::LegendEntry> legend = {{palette::kFaint, "lanes"}};
+  if (!record.plan.passages.empty()) legend.push_back({of_passage, "passage: one at a time"});
   if (!record.bodies.empty()) legend.push_back({palette::kInk, "bodies"});
   for (std::size_t v = 0; v < tracks.size(); ++v) {
     const Colour& colour = kVehicles[v % kVehicles.size()];

@@ -1,6 +1,5 @@
 // The report of a run of several vehicles.
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <isobath/report/group_outcome.hpp>
 #include <isobath/report/html_report.hpp>
@@ -55,11 +54,8 @@ void add_all_decisions(HtmlReport& page, const GroupOutcome& outcome) {
 
 std::string group_report(const GroupOutcome& outcome, const std::string& png) {
   const GroupRecord& record = outcome.record;
-  const GroupScore& score = outcome.score;
   HtmlReport page(record.plan.title.empty() ? "Several vehicles" : record.plan.title,
-                  fmt::format("{} vehicles searched {} of an area of {} lanes in {:.0f} s, and {} of it twice or more.",
-                              record.vehicles.size(), percent_text(score.searched), record.plan.search.lanes(),
-                              record.duration_s, percent_text(score.overlap)));
+                  fmt::format("{}.", fmt::join(group_facts(outcome), "; ")));
   const std::string failure = outcome.failure();
   if (!failure.empty()) page.warning("Failed: " + failure + ".");
   std::vector<std::pair<std::string, std::string>> reports;
@@ -69,14 +65,6 @@ std::string group_report(const GroupOutcome& outcome, const std::string& png) {
   page.links(reports);
   page.figure(png, "The lanes and the true tracks of the vehicles, with the bodies in the water.");
   add_vehicles(page, outcome);
-  if (score.all_searched_s) page.paragraph(fmt::format("The last lane was done at {:.0f} s.", *score.all_searched_s));
-  if (score.reassigned_s) {
-    page.paragraph(fmt::format("The lanes of the lost vehicle were shared anew after {:.0f} s.", *score.reassigned_s));
-  }
-  if (std::isfinite(record.least_separation_m)) {
-    page.paragraph(fmt::format("Least separation of two hulls: {:.1f} m, at {:.0f} s.", record.least_separation_m,
-                               record.least_separation_s));
-  }
   for (std::size_t v = 0; v < outcome.runs.size(); ++v) {
     if (!outcome.runs[v].mission) continue;
     add_command_levels(page, outcome.runs[v].mission->levels, "Levels of command of " + record.vehicles[v].name);

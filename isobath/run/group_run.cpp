@@ -16,8 +16,6 @@ void check_group(const RunRequest& request) {
     throw Error(fmt::format("{} of a group of vehicles", what), {request.input.string(), {}, {}, {}, {}},
                 "a run without it");
   };
-  if (request.live_speed) refuse("a live run");
-  if (!request.map.empty()) refuse("a stored map");
   if (!request.mission.empty()) refuse("another mission");
 }
 
@@ -27,7 +25,8 @@ RunRequest request_of_vehicle(const RunRequest& request, const MissionPlan& plan
   own.vehicle = vehicle;
   own.out = request.out / plan.group[vehicle].name;
   own.threads = 1;
-  if (!request.record.empty()) own.record = record_of_vehicle(request.record, plan.group[vehicle].name);
+  if (!request.record.empty()) own.record = file_of_vehicle(request.record, plan.group[vehicle].name);
+  if (!request.map.empty()) own.map = file_of_vehicle(request.map, plan.group[vehicle].name);
   int& seed = own.configuration.simulation.seed;
   if (seed >= 0) seed = seed_of_vehicle(seed, vehicle);
   if (vehicle > 0) own.progress = {};
@@ -51,9 +50,9 @@ struct LoopedVehicle {
 
 }  // namespace
 
-std::filesystem::path record_of_vehicle(const std::filesystem::path& record, const std::string& vehicle) {
-  std::filesystem::path own = record;
-  return own.replace_filename(record.stem().string() + "-" + vehicle + record.extension().string());
+std::filesystem::path file_of_vehicle(const std::filesystem::path& file, const std::string& vehicle) {
+  std::filesystem::path own = file;
+  return own.replace_filename(file.stem().string() + "-" + vehicle + file.extension().string());
 }
 
 GroupOutcome run_group(const RunRequest& request, const Scenario& scenario, std::span<const RunWatch> watches) {
@@ -68,8 +67,9 @@ GroupOutcome run_group(const RunRequest& request, const Scenario& scenario, std:
     stepped.push_back(runs.back().get());
   }
   GroupOutcome outcome;
-  outcome.record =
-      VehicleGroup(scenario, stepped, seed_of_link(request.configuration, scenario), request.threads).run();
+  // A live vehicle waits for the clock in its own thread.
+  const int threads = request.live_speed ? static_cast<int>(runs.size()) : request.threads;
+  outcome.record = VehicleGroup(scenario, stepped, seed_of_link(request.configuration, scenario), threads).run();
   outcome.record.bodies = bodies_without_vehicles(*runs.front(), scenario.mission);
   for (std::size_t v = 0; v < runs.size(); ++v) {
     const RunOutcome& run = outcome.runs.emplace_back(runs[v]->outcome());

@@ -11,11 +11,11 @@
 
 namespace isobath {
 
-/// The recording of a vehicle, with its name after that of the group's: run-alpha.mcap for run.mcap.
-std::filesystem::path record_of_vehicle(const std::filesystem::path& record, const std::string& vehicle);
+/// The recording or the map of a vehicle, with its name after that of the group's: run-alpha.mcap for run.mcap.
+std::filesystem::path file_of_vehicle(const std::filesystem::path& file, const std::string& vehicle);
 
-/// Throws Error as run does, and for a live run, a map or another mission. `watches`: one for each vehicle, or none,
-/// instead of that of the request.
+/// Throws Error as run does, and for another mission. Live, each vehicle keeps to the clock by itself. `watches`: one
+/// for each vehicle, or none, instead of that of the request.
 GroupOutcome run_group(const RunRequest& request, const Scenario& scenario, std::span<const RunWatch> watches = {});
 
 struct GroupLoop {

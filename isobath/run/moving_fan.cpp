@@ -13,8 +13,7 @@ MovingFan::MovingFan(const ObstacleMemoryConfig& memory, PoseTimeline reference)
 
 /// The agents take the deviation of the position from the same place (AgentsHelm).
 void MovingFan::on_fix(const Navigation& fix) {
-  if (!fix.covariance) return;
-  sigma_m_ = std::sqrt(std::max(0.0, (*fix.covariance)(0, 0) + (*fix.covariance)(1, 1)) / 2);
+  if (const auto sigma_m = sigma_m_of(fix)) sigma_m_ = sigma_m;
 }
 
 void MovingFan::on_ping(const PosedPing& ping) { detections_.add(ping); }

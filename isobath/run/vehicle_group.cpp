@@ -51,6 +51,11 @@ void VehicleGroup::measure(double t_s) {
       record_.least_separation_s = t_s;
     }
   }
+  for (const GroupPassage& passage : record_.plan.passages) {
+    std::size_t inside = 0;
+    for (std::size_t v = 0; v < runs_.size(); ++v) inside += contains(passage.outline, seen_[v].p_W.head<2>());
+    if (inside > 1) record_.passage_shared_s += kGroupStep_s;
+  }
 }
 
 void VehicleGroup::step(double until_s) {

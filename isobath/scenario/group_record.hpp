@@ -32,6 +32,7 @@ struct GroupRecord {
   double duration_s = 0;                                                ///< until the last vehicle ended
   double least_separation_m = std::numeric_limits<double>::infinity();  ///< between the hulls of two vehicles
   double least_separation_s = 0;                                        ///< when
+  double passage_shared_s = 0;  ///< how long two or more vehicles were within one passage of the mission
 
   /// Bits a second that a vehicle sent while it was under way.
   [[nodiscard]] double bit_rate(std::size_t vehicle) const;

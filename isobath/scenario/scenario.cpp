@@ -29,6 +29,25 @@ std::string list_of(const std::vector<FaultConfig>& faults) {
 
 constexpr std::uint64_t kVehicleSeed = 0x67726f7570;  // "group"
 
+/// Refuses a step that a scanning sonar of the scene cannot follow.
+void check_scans(const Scenario& scenario) {
+  const auto& sonars = scenario.scene.sonars;
+  const auto head =
+      std::ranges::find_if(sonars, [](const SonarConfig& s) { return s.on && s.kind == SonarKind::kScanning; });
+  for (const TaskStep& step : scenario.mission.steps) {
+    const auto scan = scan_of(step);
+    if (!scan) continue;
+    Place place = step.place;
+    place.key += ".sector_deg";
+    if (head == sonars.end()) throw Error("the vehicle has no scanning sonar", place, "a scanning sonar in the scene");
+    try {
+      (void)commanded(*head, *scan);
+    } catch (const Error& error) {
+      throw Error(std::string("the scanning sonar cannot do this: ") + error.what(), place);
+    }
+  }
+}
+
 /// The vehicles of the scene are the group of the mission.
 void add_group(Scenario& scenario) {
   const Scene& scene = scenario.scene;
@@ -57,6 +76,7 @@ Scenario parse_scenario(std::string_view text, const std::string& file) {
   scenario.mission = make_plan(keys, mission, scenario.scene.origin());
   add_group(scenario);
   if (looks_like_mission(text)) check_mission(scenario.mission);
+  check_scans(scenario);
   return scenario;
 }
 

@@ -72,10 +72,12 @@ struct Simulator::Device {
   Device(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed, int threads,
          const FaultSchedule& faults, const std::string& fault_name)
       : name(fault_name),
+        configured(config),
         sonar(config, world, water, seed, threads),
         pings(faults, fault_name),
         ranges(faults, fault_name) {}
   std::string name;
+  SonarConfig configured;
   SimulatedSonar sonar;
   FaultyChannel<Ping> pings;
   FaultyChannel<RangeReading> ranges;
@@ -300,7 +302,9 @@ void Simulator::navigate() {
 
 void Simulator::command_scanning(const ScanCommand& scan) {
   for (const auto& device : devices_) {
-    if (device->sonar.config().kind == SonarKind::kScanning) return device->sonar.command(scan);
+    if (device->sonar.config().kind != SonarKind::kScanning) continue;
+    if (scan.as_configured) device->sonar.command(settings_of(device->configured));
+    return device->sonar.command(scan);
   }
 }
 

@@ -359,6 +359,18 @@ void check(const SonarConfig& c) {
   if (c.name.empty()) refuse("name", "is empty", "a text");
 }
 
+ScanCommand settings_of(const SonarConfig& c) {
+  return {.heading = c.heading,
+          .pitch = c.pitch,
+          .roll = c.roll,
+          .middle = c.middle,
+          .sector = c.sector,
+          .step = c.step,
+          .width = c.width,
+          .range_m = c.range_m,
+          .beams = c.beams};
+}
+
 SonarConfig commanded(SonarConfig config, const ScanCommand& command) {
   const auto refuse = [&config](const char* key, const char* problem, const char* allowed) {
     Place place = config.place;

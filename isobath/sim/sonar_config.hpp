@@ -92,7 +92,9 @@ double ping_interval_s(const SonarConfig& config);
 /// Checks that concern several fields. Throws Error with the place of the sonar in the file.
 void check(const SonarConfig& config);
 
-/// The configuration after a command. Throws Error for an invalid configuration (S4-40).
+/// The command that makes a sonar look as this configuration says.
+ScanCommand settings_of(const SonarConfig& config);
+/// The configuration after a command, without its `as_configured`. Throws Error for an invalid configuration (S4-40).
 SonarConfig commanded(SonarConfig config, const ScanCommand& command);
 
 inline Pose sensor_pose(const SonarConfig& c) {

@@ -12,6 +12,7 @@
 namespace isobath {
 
 struct ScanCommand {
+  bool as_configured = false;  ///< go back to the settings of the start first
   std::optional<Angle> heading = {}, pitch = {}, roll = {};
   std::optional<Angle> middle = {};    ///< azimuth of the middle of a scanning head's sector, in S
   std::optional<Angle> sector = {};    ///< swept sector, or from the first beam of a fan to its last

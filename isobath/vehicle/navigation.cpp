@@ -1,7 +1,14 @@
 #include <algorithm>
+#include <cmath>
 #include <isobath/vehicle/navigation.hpp>
 
 namespace isobath {
+
+std::optional<double> sigma_m_of(const Navigation& fix) {
+  if (!fix.covariance) return std::nullopt;
+  return std::sqrt(std::max(0.0, (*fix.covariance)(0, 0) + (*fix.covariance)(1, 1)) / 2);
+}
+
 namespace {
 
 constexpr double kMaxTimelineGap = 5;  // s

@@ -20,6 +20,9 @@ struct Navigation {
   std::optional<double> v_sigma = {};  ///< standard deviation of v_WB in the plane, along its longer axis, m/s
 };
 
+/// Standard deviation of the position in the plane, an axis; empty: the fix does not state it.
+std::optional<double> sigma_m_of(const Navigation& fix);
+
 /// All poses of a recorded track by time, interpolated over gaps of at most 5 s. PoseBuffer is its counterpart for
 /// fixes that still arrive.
 class PoseTimeline {

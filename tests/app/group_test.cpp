@@ -294,6 +294,75 @@ TEST(Group, EachCommandToAnActuatorLeadsBackToTheOrderOfTheMission) {
   }
 }
 
+/// The cheap scene with a wall on the way of both, and a gap in it that is a passage.
+std::filesystem::path scene_with_gap(const std::filesystem::path& folder, bool passage) {
+  std::string text = test::content_of(cheap_scene(folder, 0));
+  const std::string start = "start = [-60, 45, 12]", area = "[search_area]\n";
+  text.replace(text.find(start), start.size(), "start = [-15, 45, 12]");
+  text.replace(text.find(area), area.size(), area + "corner = [120, 0]\n");
+  text += R"([geofence]
+corners = [[-60, -60], [260, -60], [260, 120], [-60, 120]]
+[[injected_map]]
+at_s = 1
+outline = [[50, -60], [54, -60], [54, 20], [50, 20]]
+[[injected_map]]
+at_s = 1
+outline = [[50, 42], [54, 42], [54, 120], [50, 120]]
+)";
+  if (passage) text += "[[passage]]\nname = \"the gap\"\noutline = [[40, 20], [40, 42], [64, 42], [64, 20]]\n";
+  return test::write(folder / (passage ? "passage.toml" : "open.toml"), text);
+}
+
+// Both vehicles come to the gap at one time. ledger: S2-17 S2-51
+TEST(Group, GoesThroughAPassageOneAfterTheOther) {
+  const auto folder = test::scratch_folder();
+  for (const bool passage : {true, false}) {
+    const auto out = folder / (passage ? "passage" : "open");
+    test::isobath(
+        {"run", scene_with_gap(folder, passage).string(), "--out", out.string(), "--set", "simulation.duration_s=150"});
+    const auto json = test::json_of(out / "group.json");
+    EXPECT_EQ(json["passage_shared_s"].is_null(), !passage);
+    const double took = decided_s(out, "alpha", "take passage"), left = decided_s(out, "alpha", "leave passage");
+    if (!passage) {
+      EXPECT_EQ(took, -1);
+      continue;
+    }
+    EXPECT_EQ(json["passage_shared_s"], 0);
+    EXPECT_GT(took, 0);
+    EXPECT_GT(left, took);
+    EXPECT_GT(decided_s(out, "bravo", "wait for passage"), 0);
+    EXPECT_GT(decided_s(out, "bravo", "take passage"), left);
+    EXPECT_GT(decided_s(out, "bravo", "leave passage"), left);
+    EXPECT_THAT(test::content_of(out / "report.html"), HasSubstr("no two vehicles were in one passage at a time"));
+  }
+}
+
+// ledger: S2-12 S2-50 S6-31
+TEST(Group, RunsLiveWithThreadsOfItsOwn) {
+  const auto folder = test::scratch_folder();
+  const auto result = test::isobath({"run", cheap_scene(folder, 0).string(), "--out", (folder / "out").string(),
+                                     "--live", "--speed", "20", "--set", "simulation.duration_s=40"});
+  EXPECT_EQ(result.exit_code, 1) << "the mission did not end";
+  const auto group = test::json_of(folder / "out/group.json");
+  for (const auto& vehicle : group["vehicles"]) {
+    EXPECT_EQ(vehicle["phase"], "under way");
+    EXPECT_GT(vehicle["link"]["received"].get<int>(), 0);
+  }
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder / "out/bravo/report.html"));
+}
+
+// ledger: S2-35 S2-50
+TEST(Group, KeepsAMapForEachVehicle) {
+  const auto folder = test::scratch_folder();
+  const auto result = test::isobath({"run", cheap_scene(folder, 0).string(), "--out", (folder / "out").string(),
+                                     "--map", (folder / "lake").string(), "--set", "simulation.duration_s=20"});
+  EXPECT_EQ(result.exit_code, 1) << "the mission did not end";
+  for (const char* vehicle : {"alpha", "bravo"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / fmt::format("lake-{}", vehicle))) << result.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "lake"));
+}
+
 // ledger: S2-50 S6-67
 TEST(Group, IsScoredBySuites) {
   const auto folder = test::scratch_folder();
@@ -326,8 +395,7 @@ TEST(Group, IsRefusedWhereOneVehicleIsExpected) {
   const std::string file = scene(folder).string();
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"sim", file, "--out", (folder / "log.mcap").string()},
-        {"run", file, "--out", (folder / "out").string(), "--live"},
-        {"run", file, "--out", (folder / "out").string(), "--map", (folder / "map").string()}}) {
+        {"run", file, "--out", (folder / "out").string(), "--mission", file}}) {
     EXPECT_THAT(test::isobath(words),
                 test::ends_with_one_line(testing::AnyOf(HasSubstr("vehicles"), HasSubstr("group"))));
   }

@@ -151,7 +151,6 @@ TEST_F(CaptainTest, TellsTheOperatorOfAvoidanceAndOfDroppedPoints) {
 
 // ledger: S6-34 S6-41
 TEST_F(CaptainTest, GivesATaskToTheMostSuitableDriverInWhateverOrderTheyBid) {
-  plan.points[0].task = "survey";
   std::vector<TaskBid> bids = {{1, "mower", 0.5}, {1, "spiral", 0.9}, {1, "zigzag", 0.9},
                                {2, "late", 1.0},  {1, "broken", -1},  {1, "wild", NAN}};
   std::sort(bids.begin(), bids.end(), [](const TaskBid& a, const TaskBid& b) { return a.driver < b.driver; });
@@ -162,7 +161,8 @@ TEST_F(CaptainTest, GivesATaskToTheMostSuitableDriverInWhateverOrderTheyBid) {
     go.kind = OperatorCommand::Kind::kStart;
     go.plan = std::make_shared<const MissionPlan>(plan);
     s.hear(go, 0);
-    const auto called = only<TaskCall>(s.hear(PointReport{PointReport::Kind::kReached, 0, ""}, 5));
+    EXPECT_TRUE(only<TaskCall>(s.hear(PointReport{PointReport::Kind::kReached, 0, ""}, 5)).empty());
+    const auto called = only<TaskCall>(s.hear(PointReport{PointReport::Kind::kTask, 0, "survey"}, 5));
     ASSERT_EQ(called.size(), 1u);
     EXPECT_EQ(called[0].task, "survey");
     for (const TaskBid& bid : bids) s.hear(bid, 5.5);
@@ -179,12 +179,29 @@ TEST_F(CaptainTest, GivesATaskToTheMostSuitableDriverInWhateverOrderTheyBid) {
 
 // ledger: S6-41
 TEST_F(CaptainTest, SaysThatNoDriverIsThere) {
-  plan.points[0].task = "survey";
   start();
-  script.hear(PointReport{PointReport::Kind::kReached, 0, ""}, 5);
+  script.hear(PointReport{PointReport::Kind::kTask, 0, "survey"}, 5);
   script.tick(6);
   EXPECT_EQ(only<TaskAward>(script.said).back().driver, "");
   EXPECT_EQ(only<Decision>(script.said).back().reason, "no driver bids for survey; the mission goes on");
+}
+
+// No vehicle of the group finds a way: the mission goes on with its other goal. ledger: S2-17
+TEST_F(CaptainTest, EndsTheMissionAsAfterADroppedPointWhereTheGroupFindsNoWay) {
+  plan.if_dropped = MissionEnd::kReturn;
+  start();
+  const auto orders = only<MissionOrder>(script.hear(VisitOrder{3, {}, false, "no vehicle finds a way", true}, 9));
+  ASSERT_EQ(orders.size(), 1u);
+  EXPECT_EQ(orders[0].kind, MissionOrder::Kind::kAbort);
+  EXPECT_EQ(orders[0].end, MissionEnd::kReturn);
+  EXPECT_EQ(orders[0].why, "no vehicle finds a way");
+}
+
+// ledger: S2-16 S6-40
+TEST_F(CaptainTest, TellsTheOperatorWhatAStepSays) {
+  start();
+  script.hear(PointReport{PointReport::Kind::kTold, 0, "looks round at the pile"}, 1);
+  EXPECT_EQ(only<StatusReport>(script.said).back().text, "looks round at the pile");
 }
 
 // A mission of 800 s at 1 m/s may last 500 s and is to end at its start: the vehicle turns back while the way there

@@ -2,6 +2,7 @@
 // repeated.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <isobath/base/random.hpp>
 #include <isobath/mission/agents/commodore.hpp>
 #include <set>
 
@@ -358,8 +359,8 @@ TEST_F(CommodoreTest, BeginsTogetherWithTheOthers) {
   const auto told = std::get<GroupStatus>(group_word_of(frames.back().bytes).value());
   EXPECT_TRUE(told.ready);
   ASSERT_TRUE(told.begin_s);
-  EXPECT_EQ(*told.begin_s, 66) << "two and a half turns of 10 s after it heard, and a whole second";
-  EXPECT_THAT(only<VisitOrder>(wait(5)), ElementsAre(testing::Field(&VisitOrder::points, testing::SizeIs(9))));
+  EXPECT_EQ(*told.begin_s, 81) << "four turns of 10 s after it heard, and a whole second";
+  EXPECT_THAT(only<VisitOrder>(wait(20)), ElementsAre(testing::Field(&VisitOrder::points, testing::SizeIs(9))));
   EXPECT_THAT(decided(script->said), testing::Contains("begin together"));
 
   now = 0;
@@ -367,9 +368,9 @@ TEST_F(CommodoreTest, BeginsTogetherWithTheOthers) {
   EXPECT_THAT(only<VisitOrder>(start(1)).at(0).points, ElementsAre(18));
   visit({18});
   GroupStatus leader = status(0);
-  leader.begin_s = 66;
+  leader.begin_s = 81;
   hear(leader);
-  EXPECT_THAT(only<VisitOrder>(wait(65.8)), IsEmpty());
+  EXPECT_THAT(only<VisitOrder>(wait(80.8)), IsEmpty());
   EXPECT_THAT(only<VisitOrder>(wait(0.3)), testing::SizeIs(1));
 }
 
@@ -383,6 +384,141 @@ TEST_F(CommodoreTest, WaitsForAMissingVehicleNoLongerThanTheMissionSays) {
   const auto said = wait(0.2);
   EXPECT_EQ(only<VisitOrder>(said).size(), 1u);
   EXPECT_THAT(only<Decision>(said).at(0).reason, HasSubstr("after 40 s bravo did not say to be ready"));
+}
+
+/// Two vehicles before one gap, over a link that loses packets; each goes where it is ordered, straight.
+class PassageTest : public CommodoreTest {
+ protected:
+  struct Boat {
+    std::unique_ptr<Commodore> agent;
+    std::unique_ptr<Script> script;
+    double north = 0, to = 0;
+    bool waits = false, off = false;
+    std::uint32_t version = 0;
+  };
+  PassageTest() {
+    plan.passages = {{{}, "the gap", {{100, -10}, {120, -10}, {120, 10}, {100, 10}}}};
+    plan.search.corner = {300, 0};
+    for (std::size_t v = 0; v < 2; ++v) {
+      plan.own = v;
+      boats[v].agent = std::make_unique<Commodore>(CommodoreConfig{});
+      boats[v].script = std::make_unique<Script>(*boats[v].agent);
+      MissionOrder order;
+      order.plan = std::make_shared<const MissionPlan>(plan);
+      boats[v].script->hear(fix(0, 0, 0), 0);
+      boats[v].script->hear(order, 0);
+    }
+  }
+  void send_to(std::size_t v, double north) {
+    boats[v].to = north;
+    follow(v);
+  }
+  void follow(std::size_t v) {
+    Boat& boat = boats[v];
+    std::vector<Waypoint> way;
+    if (!boat.waits) way.push_back({boat.to, 0, 10, 1.5});
+    boat.script->hear(FollowOrder{++boat.version, std::move(way), {}, false}, now);
+  }
+  [[nodiscard]] bool inside(std::size_t v) const { return boats[v].north > 97 && boats[v].north < 123; }
+  /// What a vehicle says takes effect; its packets reach the other one, or are lost.
+  void act(std::size_t v, const std::vector<Message>& said, double loss, Random& random) {
+    Boat &boat = boats[v], &other = boats[1 - v];
+    for (const Message& one : said) {
+      if (const auto* wait = std::get_if<PassageWait>(&one)) {
+        EXPECT_NE(boat.waits, wait->waits);
+        boat.waits = wait->waits;
+        follow(v);
+      }
+      const auto* frame = std::get_if<LinkFrame>(&one);
+      if (frame == nullptr || other.off || random.uniform() < loss) continue;
+      act(1 - v, other.script->hear(LinkFrame{LinkFrame::Way::kFromGroup, frame->bytes}, now), loss, random);
+    }
+  }
+  void sail(double s, double loss, Random& random) {
+    for (int i = 0; i < static_cast<int>(s * 10); ++i) {
+      now += 0.1;
+      for (std::size_t v = 0; v < 2; ++v) {
+        Boat& boat = boats[v];
+        if (boat.off) continue;
+        boat.north += boat.waits ? 0 : std::clamp(boat.to - boat.north, -0.15, 0.15);
+        boat.script->hear(fix(now, boat.north, 0), now);
+        act(v, boat.script->tick(now), loss, random);
+      }
+      both_inside = both_inside || (inside(0) && inside(1));
+    }
+  }
+  Boat boats[2];
+  bool both_inside = false;
+};
+
+// Both reach the gap at one time, again and again, from one side and from both; one waits each time, whatever the link
+// loses. ledger: S2-17 S2-51
+TEST_F(PassageTest, GoesThroughAGapInTurn) {
+  Random random(11);
+  for (int trial = 0; trial < 40; ++trial) {
+    const double loss = 0.1 * (trial % 5);
+    for (std::size_t v = 0; v < 2; ++v) {
+      const bool out = (trial / (v + 1)) % 2 == 0;
+      send_to(v, out ? 200 + 10.0 * random.uniform() : 10 * random.uniform());
+    }
+    sail(400, loss, random);
+    ASSERT_FALSE(both_inside) << trial;
+    for (std::size_t v = 0; v < 2; ++v) EXPECT_NEAR(boats[v].north, boats[v].to, 0.2) << trial << ", vehicle " << v;
+  }
+  EXPECT_THAT(decided(boats[1].script->said), testing::Contains("wait for passage"));
+  EXPECT_THAT(decided(boats[1].script->said), testing::Contains("leave passage"));
+}
+
+// The gate keeper is lost: the other goes through once it knows that. ledger: S2-17 S2-50
+TEST_F(PassageTest, OutlivesTheVehicleThatGivesTheTurns) {
+  Random random(12);
+  send_to(0, 200);
+  send_to(1, 200);
+  sail(60, 0, random);
+  boats[0].off = true;
+  sail(40, 0, random);
+  EXPECT_TRUE(boats[1].waits) << "it may still be in the gap";
+  sail(150, 0, random);
+  EXPECT_NEAR(boats[1].north, 200, 0.2);
+}
+
+// No route to two stations of a lane, and to two lanes: the others get the lanes; and where all are without a way, the
+// Captain decides. Attempts are bounded. ledger: S2-17
+TEST_F(CommodoreTest, GivesUpLanesToWhichThereIsNoWayAndTellsTheCaptainWhenAllDo) {
+  start(0);
+  hear(status(1));
+  const auto no_way = [&](std::size_t point) {
+    return script->hear(PointReport{PointReport::Kind::kDropped, point, "no path", true}, now);
+  };
+  EXPECT_THAT(no_way(0), IsEmpty()) << "one station may be shut in";
+  EXPECT_THAT(decided(no_way(1)), ElementsAre("give up lane"));
+  EXPECT_EQ(only<VisitOrder>(script->said).back().points.front(), 3u) << "lane 2 from its near end";
+  no_way(3);
+  const auto said = no_way(2);
+  EXPECT_THAT(decided(said), ElementsAre("give up lane", "give up lanes"));
+  EXPECT_THAT(only<VisitOrder>(said).at(0).points, IsEmpty());
+  hear(status(1));
+  const auto shared = wait(15);
+  EXPECT_THAT(decided(shared), testing::Contains("share lanes"));
+  EXPECT_THAT(only<Decision>(shared).at(0).reason, HasSubstr("alpha no lane; bravo lanes 1 to 8"));
+  EXPECT_THAT(only<VisitOrder>(shared), IsEmpty()) << "bravo may find a way";
+  GroupStatus other = status(1);
+  other.no_way = true;
+  hear(other);
+  const auto up = only<VisitOrder>(wait(1));
+  ASSERT_EQ(up.size(), 1u);
+  EXPECT_TRUE(up[0].given_up);
+  EXPECT_THAT(only<VisitOrder>(wait(30)), IsEmpty()) << "once";
+}
+
+// A lane of which one end is shut in is sailed as far as there is a way. ledger: S2-17
+TEST_F(CommodoreTest, GoesOnWhereOneStationHasNoWay) {
+  start(0);
+  script->hear(PointReport{PointReport::Kind::kDropped, 0, "no path", true}, now);
+  visit({1, 2});
+  script->hear(PointReport{PointReport::Kind::kDropped, 3, "no path", true}, now);
+  visit({4});
+  EXPECT_THAT(decided(script->said), ElementsAre("share lanes")) << "as at the start";
 }
 
 }  // namespace

@@ -219,7 +219,8 @@ TEST_F(ExecutiveOfficerTest, LeavesATaskToItsDriverAndLeadsItFromPlaceToPlace) {
   plan.points[0].task = "survey";
   start();
   planned();
-  passed();
+  EXPECT_EQ(only<PointReport>(passed()).back().kind, PointReport::Kind::kTask);
+  script->hear(TaskCall{1, "survey", {}}, now);
   script->hear(TaskAward{1, "mower"}, now);
   script->hear(TaskPlan{1, "mower", {{110, 0, 2, 1}, {110, 10, 2, 1}}}, now);
   EXPECT_EQ(asked().target.north_east, Eigen::Vector2d(110, 0)) << "by way of the Navigator, like any other place";
@@ -233,8 +234,51 @@ TEST_F(ExecutiveOfficerTest, LeavesATaskToItsDriverAndLeadsItFromPlaceToPlace) {
   start();
   planned();
   passed();
+  script->hear(TaskCall{1, "survey", {}}, now);
   script->hear(TaskAward{1, ""}, now);
   EXPECT_EQ(asked().point, 1u) << "no driver";
+}
+
+// The driver is asked once the vehicle has stayed as long as it is to: one that was asked before would have planned for
+// nothing. ledger: S6-41
+TEST_F(ExecutiveOfficerTest, AsksForADriverAfterTheStay) {
+  plan.points[0].hold_s = 5;
+  plan.points[0].task = "survey";
+  start();
+  planned();
+  EXPECT_EQ(only<PointReport>(passed()).back().kind, PointReport::Kind::kReached);
+  wait(5.1);
+  EXPECT_EQ(only<PointReport>(script->said).back().kind, PointReport::Kind::kTask);
+}
+
+// Before a passage the vehicle holds its position, drops nothing meanwhile, and asks for a route once it is its turn.
+// ledger: S2-17
+TEST_F(ExecutiveOfficerTest, WaitsBeforeAPassageAndGoesOnByANewRoute) {
+  start();
+  planned();
+  const auto waits = script->hear(PassageWait{true, "not yet"}, now);
+  EXPECT_TRUE(only<FollowOrder>(waits).at(0).waypoints.empty());
+  EXPECT_EQ(report().phase, MissionPhase::kHolding);
+  EXPECT_TRUE(only<FollowOrder>(planned()).empty()) << "the Navigator plans on";
+  refused(Reason::kNoPath);
+  wait(200);
+  EXPECT_EQ(only<PointReport>(script->said).size(), 1u) << "nothing is dropped";
+  const auto goes = script->hear(PassageWait{false, "its turn"}, now);
+  EXPECT_EQ(report().phase, MissionPhase::kUnderWay);
+  ASSERT_EQ(only<RouteRequest>(goes).size(), 1u);
+  EXPECT_EQ(only<FollowOrder>(planned()).size(), 1u);
+}
+
+// ledger: S2-17
+TEST_F(ExecutiveOfficerTest, SaysWhetherAPointWasDroppedForWantOfAWay) {
+  start();
+  refused(Reason::kNoPath);
+  wait(61);
+  EXPECT_TRUE(only<PointReport>(script->said).at(1).no_way);
+  refused(Reason::kGoalBlocked);
+  const PointReport blocked = only<PointReport>(script->said).at(3);
+  EXPECT_EQ(blocked.kind, PointReport::Kind::kDropped);
+  EXPECT_FALSE(blocked.no_way);
 }
 
 TEST_F(ExecutiveOfficerTest, HoldsAndResumesOnOrder) {
@@ -290,7 +334,8 @@ TEST_F(ExecutiveOfficerTest, AStoredPlanIsCarriedOutLikeOneThatIsWorkedOut) {
     refused(Reason::kGoalBlocked);
     planned();
     passed();
-    script->hear(TaskAward{3, ""}, now);
+    script->hear(TaskCall{1, "survey", {}}, now);
+    script->hear(TaskAward{1, ""}, now);
     planned();
     passed();
     std::vector<std::size_t> types;

@@ -22,6 +22,16 @@ GroupStatus some_status(Random& random) {
   s.ready = random.uniform() < 0.5;
   if (random.uniform() < 0.5) s.begin_s = static_cast<std::uint16_t>(random.index(65536));
   for (std::size_t k = 0; k < s.lanes; ++k) s.done |= LaneBits{random.uniform() < 0.5} << k;
+  s.no_way = random.uniform() < 0.5;
+  if (random.uniform() < 0.5) {
+    s.ask = PassageAsk{static_cast<std::uint8_t>(random.index(kMaxPassages)),
+                       static_cast<std::uint8_t>(random.index(256)), random.uniform() < 0.5};
+  }
+  s.turns.resize(random.index(3) * random.index(kMaxPassages / 2));
+  for (PassageTurn& turn : s.turns) {
+    turn = {static_cast<std::uint8_t>(random.index(kMaxPassages)), static_cast<std::uint8_t>(random.index(8)),
+            static_cast<std::uint8_t>(random.index(256))};
+  }
   s.obstacles.resize(random.index(kMostTold + 1));
   for (ObstacleWord& o : s.obstacles) {
     o.key = static_cast<std::uint8_t>(random.index(256));
@@ -70,6 +80,9 @@ TEST(GroupWords, AreSmallEnoughForASlowModem) {
   EXPECT_LE(to_bytes(plan).size(), 24u);
   status.obstacles.resize(3);
   EXPECT_LE(to_bytes(status).size(), 47u);
+  status.ask = PassageAsk{};
+  status.turns.resize(1);
+  EXPECT_LE(to_bytes(status).size(), 52u);
 }
 
 // A packet with any byte changed or cut off is none. ledger: S2-51

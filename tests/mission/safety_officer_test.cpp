@@ -375,6 +375,37 @@ TEST(FaultsOfTheWay, NoPath) {
   expect_refusal(Fault::kNoPath, RouteRefused::Reason::kNoMap, Act::kStop, kLimits.blocked_abort_s);
 }
 
+// ledger: S2-17
+TEST(FaultsOfTheWay, AVehicleThatWaitsForItsTurnNeedsNoPath) {
+  SafetyStream stream;
+  RouteRefused refused;
+  refused.reason = RouteRefused::Reason::kNoPath;
+  stream.run_to(kBegin);
+  stream.tell(PassageWait{true, ""});
+  stream.tell(refused);
+  stream.run_to(kBegin + 100);
+  EXPECT_EQ(stream.raised(Fault::kNoPath), -1);
+  stream.tell(PassageWait{false, ""});
+  stream.run_to(kBegin + 101);
+  EXPECT_NEAR(stream.raised(Fault::kNoPath), kBegin + 100, 0.2);
+}
+
+// The levels of command try other points first; a point that is tried again is no other one. ledger: S2-17
+TEST(FaultsOfTheWay, NoPathCountsAnewForEachPointThatIsTried) {
+  SafetyStream stream;
+  RouteRefused refused;
+  refused.reason = RouteRefused::Reason::kNoPath;
+  stream.run_to(kBegin);
+  stream.tell(refused);
+  stream.run_to(kBegin + 60);
+  stream.tell(PointReport{PointReport::Kind::kTaken, 7, ""});
+  stream.run_to(kBegin + 130);
+  EXPECT_EQ(stream.aborted(Fault::kNoPath), -1);
+  stream.tell(PointReport{PointReport::Kind::kTaken, 7, ""});
+  stream.run_to(kBegin + 136);
+  EXPECT_NEAR(stream.aborted(Fault::kNoPath), kBegin + 60 + kLimits.blocked_abort_s, 0.3);
+}
+
 TEST(FaultsOfTheWay, PlannerOverBudget) {
   expect_refusal(Fault::kPlannerOverBudget, RouteRefused::Reason::kOutOfBudget, Act::kSlow, kLimits.budget_abort_s);
   SafetyStream stream;

@@ -324,5 +324,26 @@ TEST(SetupOfAScenario, HasTheChartOfItsPrior) {
   EXPECT_TRUE(setup_of(load_scenario(file.string())).chart.depths);
 }
 
+// A step that the vehicle's sonar cannot follow is refused before the run. ledger: S2-16 S2-18
+TEST(Scenario, RefusesAStepThatNoScanningSonarCanFollow) {
+  const auto problem_of = [](const std::string& sonar, const std::string& scan) -> std::string {
+    const std::string text = "[scene]\ntitle = \"steps\"\n[[sonar]]\npreset = \"" + sonar +
+                             "\"\n[[mission_point]]\nnorth = 40\ntask = \"look_about\"\n"
+                             "[[task_step]]\ntask = \"look_about\"\n" +
+                             scan;
+    try {
+      (void)parse_scenario(text, "steps.toml");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(problem_of("micron", "sector_deg = 360\n"), "");
+  EXPECT_EQ(problem_of("oculus_m750d", ""), "");
+  EXPECT_NE(problem_of("oculus_m750d", "sector_deg = 360\n").find("the vehicle has no scanning sonar"),
+            std::string::npos);
+  EXPECT_NE(problem_of("micron", "sector_deg = 360\nsonar_range_m = 5\n").find("cannot do this"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -138,5 +138,32 @@ TEST(ScanCommand, ReachesASonarOfARunningSimulationWithinOnePing) {
   EXPECT_GT(after, 20);
 }
 
+// ledger: S2-16 S4-40
+TEST(ScanCommand, TakesASonarBackToItsConfiguration) {
+  const Scene scene = parse_scene(
+      "[scene]\nduration_s = 20\n[[sonar]]\npreset = \"micron\"\nsector_deg = 90\nstep_deg = 3\nrange_m = 40\n",
+      "command.toml");
+  Simulator simulator(scene, {});
+  int pings = 0;
+  double widest_after = 0;
+  while (auto event = simulator.next()) {
+    const auto* ping = std::get_if<Ping>(&*event);
+    if (!ping) continue;
+    ++pings;
+    ScanCommand round;
+    round.sector = Angle::degrees(360);
+    round.range_m = 20;
+    if (pings == 20) simulator.command_scanning(round);
+    if (pings == 60) {
+      EXPECT_GT(std::abs(ping->fan->azimuth[0].degrees()), 46);
+      simulator.command_scanning({.as_configured = true});
+    }
+    if (pings < 62) continue;
+    widest_after = std::max(widest_after, std::abs(ping->fan->azimuth[0].degrees()));
+  }
+  EXPECT_GT(pings, 120);
+  EXPECT_NEAR(widest_after, 45, 1e-9);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -33,6 +33,7 @@ void Captain::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* report = std::get_if<MissionReport>(&message)) on(*report, out);
   if (const auto* bid = std::get_if<TaskBid>(&message)) on(*bid);
   if (const auto* visits = std::get_if<VisitOrder>(&message)) {
+    if (visits->given_up && plan_) return abort(plan_->if_dropped, visits->why, out);
     take_order(*visits);
     plan(out);
   }
@@ -183,11 +184,14 @@ void Captain::on(const PointReport& report, Outbox& out) {
     case PointReport::Kind::kTaken: return tell("on the way to " + name, out);
     case PointReport::Kind::kAvoiding: return tell("avoiding on the way to " + name + ": " + report.why, out);
     case PointReport::Kind::kDropped: return tell(name + " is dropped: " + report.why, out);
-    case PointReport::Kind::kReached: break;
+    case PointReport::Kind::kTold: return tell(report.why, out);
+    case PointReport::Kind::kReached: return tell(name + " is reached", out);
+    case PointReport::Kind::kTask: return call(report.why, point, out);
   }
-  tell(name + " is reached", out);
-  if (point.task.empty()) return;
-  call_ = {static_cast<std::uint32_t>(report.point) + 1, point.task, point};
+}
+
+void Captain::call(const std::string& task, const MissionPoint& at, Outbox& out) {
+  call_ = {++calls_, task, at};
   bids_.clear();
   awarded_.clear();
   bids_until_ = now_ + seconds(config_.bid_s);

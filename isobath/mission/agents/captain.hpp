@@ -15,9 +15,12 @@
 // through the points that are left, and the time at them). Where the mission is to end at its start and has a maximum
 // duration, the vehicle turns back as soon as the way to the start takes the time that is left.
 //
-// A task is offered to all back-seat drivers. After `bid_s` the highest suitability wins; of equal bids the first name
-// wins, in whatever order they arrived. If the winner is lost, the next best bid wins. An award without a driver means
-// that no driver has bid.
+// Where no vehicle of a group finds a way to what is left of the area, the mission ends as after a dropped point
+// (S2-17).
+//
+// A task that the Executive Officer asks for is offered to all back-seat drivers. After `bid_s` the highest suitability
+// wins; of equal bids the first name wins, in whatever order they arrived. If the winner is lost, the next best bid
+// wins. An award without a driver means that no driver has bid.
 #pragma once
 
 #include <isobath/mission/messages/agent.hpp>
@@ -51,6 +54,7 @@ class Captain final : public Agent {
   void on(const PointReport& report, Outbox& out);
   void on(const MissionReport& report, Outbox& out);
   void on(const TaskBid& bid);
+  void call(const std::string& task, const MissionPoint& at, Outbox& out);
   void award(Outbox& out);
   void plan(Outbox& out);
   void turn_back_in_time(Outbox& out);
@@ -76,6 +80,7 @@ class Captain final : public Agent {
   Time started_;
 
   TaskCall call_;
+  std::uint32_t calls_ = 0;
   std::map<std::string, double> bids_;  ///< by driver
   std::optional<Time> bids_until_;
   std::string awarded_;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/agents/commodore.hpp>
 #include <numeric>
@@ -55,13 +54,15 @@ std::vector<Field> fields(CommodoreConfig& c) {
           Field::real("replan_s", &c.replan_s, {0.1, 3600}, "s", "Time between two divisions of the lanes."),
           Field::real("turn_s", &c.turn_s, {0, 600}, "s", "Time that a turn into the next lane is taken to cost."),
           Field::integer("told_obstacles", &c.told_obstacles, {0, static_cast<int>(kMostTold)}, "1",
-                         "How many obstacles a packet tells of, at most.")};
+                         "How many obstacles a packet tells of, at most."),
+          Field::real("passage_wait_s", &c.passage_wait_s, {0, 86400}, "s",
+                      "A vehicle that waits longer for its turn in a passage takes the passage for blocked.")};
 }
 
 void Commodore::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     here_W_ = fix->X_WB.translation.head<2>();
-    if (fix->covariance) sigma_m_ = std::sqrt(std::max(0.0, ((*fix->covariance)(0, 0) + (*fix->covariance)(1, 1)) / 2));
+    sigma_m_ = sigma_m_of(*fix).value_or(sigma_m_);
   }
   if (const auto* order = std::get_if<MissionOrder>(&message)) {
     if (order->kind == MissionOrder::Kind::kStart) begin(*order, now, out);
@@ -69,6 +70,7 @@ void Commodore::on_message(const Message& message, Time now, Outbox& out) {
   if (!plan_) return;
   if (const auto* report = std::get_if<PointReport>(&message)) on(*report, now, out);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on(*scan);
+  note_way(message, now);
   if (const auto* report = std::get_if<MissionReport>(&message)) {
     over_ = report->phase == MissionPhase::kFinished || report->phase == MissionPhase::kAborted;
   }
@@ -84,7 +86,7 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   lanes_ = lanes_of(plan_->search);
   stations_ = plan_->search.stations();
   own_ = plan_->own;
-  members_.assign(plan_->group.size(), Member{now, {}, false});
+  members_.assign(plan_->group.size(), Member{now, {}, false, now});
   for (std::size_t i = 0; i < members_.size(); ++i) members_[i].status.place_W = plan_->group[i].start;
   if (members_.size() == 1) members_[0].status.place_W = here_W_;
   done_ = 0;
@@ -98,6 +100,14 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
   meets_ = plan_->search.together_s > 0 && members_.size() > 1 && plan_->points.size() > plan_->search.all_stations();
   ready_ = false;
   begin_at_.reset();
+  passages_ = PassageTurns(
+      members_.size() > 1 ? std::span<const GroupPassage>(plan_->passages) : std::span<const GroupPassage>(),
+      config_.passage_wait_s);
+  turns_.clear();
+  without_way_.clear();
+  given_up_ = 0;
+  points_without_way_ = lanes_without_way_ = 0;
+  no_way_ = told_given_up_ = false;
   // All vehicles make the same first plan.
   std::vector<std::size_t> open(lanes_.size()), vehicles(members_.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
@@ -119,8 +129,15 @@ void Commodore::on(const PointReport& report, Time now, Outbox& out) {
   }
   at_waiting_place_ = report.point >= visited_.size();
   if (at_waiting_place_) return;
-  note_station(report.point);
   lane_ = report.point / stations_;
+  if (report.no_way) {
+    note_no_way(report.point, now, out);
+    if (!lane_) return;
+  } else {
+    points_without_way_ = 0;
+    if (report.kind == PointReport::Kind::kReached) lanes_without_way_ = 0;
+    note_station(report.point);
+  }
   const bool goes_on = std::ranges::any_of(visits_, [this](std::size_t point) { return point / stations_ == *lane_; });
   if (goes_on) return;
   done_ |= bit_of(*lane_);
@@ -191,7 +208,7 @@ void Commodore::lead(Time now, Outbox& out) {
   GroupPlan next{static_cast<std::uint8_t>(own_), 1, true, done_, {}};
   next.owner.resize(lanes_.size());
   for (std::size_t v = 0; v < members_.size(); ++v) {
-    if (!sails(v)) continue;
+    if (!takes_lanes(v)) continue;
     vehicles.push_back(v);
     sailors.push_back(sailor_of(v));
     const auto lane = lane_of(v);
@@ -199,6 +216,7 @@ void Commodore::lead(Time now, Outbox& out) {
     taken |= bit_of(*lane);
     next.owner[*lane] = static_cast<std::uint8_t>(v);
   }
+  if (vehicles.empty()) return plans_.note(now, 0, false, out);
   std::vector<std::size_t> open;
   for (std::size_t k = 0; k < lanes_.size(); ++k) {
     if ((taken & bit_of(k)) == 0) open.push_back(k);
@@ -219,7 +237,7 @@ void Commodore::lead(Time now, Outbox& out) {
   if (shared_) next.version = static_cast<std::uint16_t>(shared_->version + 1);
   take(next,
        somebody_is_missing
-           ? std::string("lanes of a vehicle that does not sail go to the others")
+           ? std::string("lanes of a vehicle that does not sail them go to the others")
            : fmt::format("the last vehicle is done in {:.0f} s instead of {:.0f} s", shares.last_s, present_s),
        now, out);
 }
@@ -246,9 +264,12 @@ bool Commodore::is_sailed_by_another(std::size_t lane) const {
 
 /// The own points of the plan, from where the vehicle is.
 void Commodore::order(const std::string& why, Time now, Outbox& out) {
-  if (!shared_ || over_) return;
-  const bool last = all_done();
+  if (!shared_ || over_ || told_given_up_) return;
   std::vector<std::size_t> mine = lanes_of_vehicle(*shared_, own_, done_);
+  std::erase_if(mine, [this](std::size_t lane) { return no_way_ || (given_up_ & bit_of(lane)) != 0; });
+  // What it could not reach of its lanes stays undone, as stations do that an obstacle blocks.
+  if (mine.empty() && !lane_ && !no_way_) done_ |= std::exchange(given_up_, 0);
+  const bool last = all_done();
   std::erase_if(mine, [this](std::size_t lane) { return is_sailed_by_another(lane); });
   std::vector<std::size_t> points;
   Vector2d from_W = here_W_;
@@ -261,6 +282,7 @@ void Commodore::order(const std::string& why, Time now, Outbox& out) {
   const std::vector<LaneVisit> lanes = visits_of(lanes_, mine, from_W);
   const std::vector<std::size_t> rest = stations_of(lanes, plan_->search);
   std::ranges::copy_if(rest, std::back_inserter(points), [this](std::size_t point) { return is_left(point); });
+  std::erase_if(points, [this](std::size_t point) { return without_way_.contains(point); });
   if (meets_ && !points.empty()) {
     const auto place = waiting_place(plan_->points[points.front()].north_east);
     points.clear();
@@ -288,9 +310,13 @@ std::optional<std::size_t> Commodore::waiting_place(const Vector2d& from_W) cons
   return far_m(first) <= far_m(first + 1) ? first : first + 1;
 }
 
-/// Tells where other vehicles wait, when that has changed.
+/// Tells where other vehicles wait and which passages count as blocked, when that has changed.
 void Commodore::say_hazards(Outbox& out) {
   GroupHazards now;
+  for (std::size_t k = 0; k < plan_->passages.size() && members_.size() > 1; ++k) {
+    if (!passages_.is_blocked(k)) continue;
+    now.hazards.push_back({plan_->passages[k].outline, 0, HazardKind::kBlocked, static_cast<std::uint32_t>(k)});
+  }
   for (std::size_t v = 0; v < members_.size(); ++v) {
     const Member& member = members_[v];
     if (v == own_ || member.lost || member.status.lanes == 0 || lane_of(v)) continue;
@@ -325,8 +351,10 @@ void Commodore::tick(Time now, Outbox& out) {
   if (!plan_) return;
   watch(now, out);
   meet(now, out);
+  pass(now, out);
   say_hazards(out);
   lead(now, out);
+  give_up_if_all_do(now, out);
   if (plans_.is_due(now)) {  // a vehicle that does not lead looks at its own share again
     order("the plan of the group", now, out);
     plans_.note(now, rest_s(), false, out);

@@ -2,9 +2,9 @@
 // an acoustic link that loses and delays packets (Herman 1988, 2, 3.1; ledger S2-02, S2-10, S2-17, S2-25, S2-50,
 // S2-51).
 //
-// Receives MissionOrder, PointReport, MissionReport, Navigation, ObstacleScan and LinkFrame (from the group). Sends
-// VisitOrder, GroupHazards, GroupObstacles, LinkFrame (to the group), LevelPlan and Decision. Does nothing in a mission
-// without a search area or without a group.
+// Receives MissionOrder, PointReport, MissionReport, Navigation, ObstacleScan, FollowOrder, WaypointPassed and
+// LinkFrame (from the group). Sends VisitOrder, PassageWait, GroupHazards, GroupObstacles, LinkFrame (to the group),
+// LevelPlan and Decision. Does nothing in a mission without a search area or without a group.
 //
 // Every vehicle has a Commodore; that of the first vehicle in the list that is heard and can sail leads. It divides the
 // lanes (lane_sharing.hpp), numbers the plan, and sends it. The others follow the plan of the first vehicle that they
@@ -31,10 +31,20 @@
 // the leader hears, it sets a time kAhead_turns turns ahead at which all begin, so that the others hear of it; each
 // vehicle passes it on. After `together_s` from the start of the mission a vehicle waits no longer (S2-19).
 //
+// Passages: the vehicles of a group go through a [[passage]] of the mission one at a time (passage_turns.hpp). The gate
+// keeper, the first vehicle in the list that is heard, gives the turn to the vehicle that asked first; the turn is over
+// when the vehicle asks for it no more, or is lost. A new gate keeper knows from the status of each vehicle which ones
+// are in a passage (S2-17).
+//
+// No way: a lane of which kNoWayPoints stations in a row had no route is given up by this vehicle; after kNoWayLanes
+// such lanes in a row it gives all its lanes to the others. Once no vehicle of the group finds a way, the Captain ends
+// the mission (S2-17).
+//
 // A lane is done when its last station is reached, or dropped because of an obstacle. Once all are done, the vehicle
 // ends its mission as the plan says; until then one without a lane goes to its waiting place and may get another lane.
 #pragma once
 
+#include <isobath/mission/agents/passage_turns.hpp>
 #include <isobath/mission/messages/agent.hpp>
 #include <isobath/mission/messages/group_words.hpp>
 #include <isobath/mission/messages/plan_clock.hpp>
@@ -42,6 +52,7 @@
 #include <isobath/mission/plan/timing_table.hpp>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace isobath {
 
@@ -51,6 +62,7 @@ struct CommodoreConfig {
   double replan_s = 10;
   double turn_s = 10;      ///< for a turn into the next lane, beyond the way
   int told_obstacles = 3;  ///< at most, in one packet; 0: none
+  double passage_wait_s = 300;
 };
 std::vector<Field> fields(CommodoreConfig& config);
 
@@ -59,7 +71,8 @@ class Commodore final : public Agent {
   static constexpr double kGain = 0.1, kGain_s = 20;
 
   static constexpr int kTellings = 8;
-  static constexpr double kMoved_m = 1, kAhead_turns = 2.5;
+  static constexpr double kMoved_m = 1, kAhead_turns = 4;
+  static constexpr int kNoWayPoints = 2, kNoWayLanes = 2;
 
   explicit Commodore(const CommodoreConfig& config, const TimingTable& timing = {})
       : config_(config), plans_(CommandLevel::kGroup, timing.of(CommandLevel::kGroup).replan_s) {}
@@ -72,6 +85,7 @@ class Commodore final : public Agent {
     Time heard;          ///< last; at first the start of the mission
     GroupStatus status;  ///< the last
     bool lost = false;
+    Time asked;  ///< when its present ask was first heard
   };
   /// An obstacle that the own sonar has confirmed.
   struct Sighting {
@@ -88,6 +102,17 @@ class Commodore final : public Agent {
   void on(const GroupPlan& plan, Time now, Outbox& out);
   void note_heard(std::size_t vehicle, Time now, Outbox& out);
   void watch(Time now, Outbox& out);
+  void note_way(const Message& message, Time now);
+  void note_no_way(std::size_t point, Time now, Outbox& out);
+  void give_up_lane(Time now, Outbox& out);
+  void give_up_if_all_do(Time now, Outbox& out);
+  [[nodiscard]] bool takes_lanes(std::size_t vehicle) const;
+  [[nodiscard]] const std::optional<PassageAsk>& ask_of(std::size_t vehicle) const;
+  void pass(Time now, Outbox& out);
+  [[nodiscard]] std::size_t gate_keeper() const;
+  void give_turns(Time now, Outbox& out);
+  void take_turn(Time now, Outbox& out);
+  void hear_turns(const GroupStatus& status, Time now, Outbox& out);
   [[nodiscard]] bool sails(std::size_t vehicle) const;
   /// The first vehicle that is heard and can sail.
   [[nodiscard]] std::optional<std::size_t> leader() const;
@@ -128,6 +153,15 @@ class Commodore final : public Agent {
   std::vector<char> visited_;                    ///< by point: whether some vehicle is known to have visited it
   std::vector<Hazard> hazards_;                  ///< as last told
   std::map<std::uint32_t, Sighting> sightings_;  ///< by the id of the remembered obstacle
+  PassageTurns passages_{{}, 0};
+  std::map<std::size_t, PassageTurn> turns_;            ///< by passage, as gate keeper
+  Time asked_;                                          ///< its own present ask
+  std::uint32_t follow_version_ = 0;                    ///< of the way that is ahead
+  std::size_t passed_ = 0;                              ///< way-points of it
+  std::set<std::size_t> without_way_;                   ///< stations that it found no way to
+  LaneBits given_up_ = 0;                               ///< lanes likewise
+  int points_without_way_ = 0, lanes_without_way_ = 0;  ///< in a row
+  bool no_way_ = false, told_given_up_ = false;
   PlanClock plans_;
   std::uint32_t orders_ = 0;
   std::uint16_t number_ = 0;

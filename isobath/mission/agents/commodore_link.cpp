@@ -122,7 +122,11 @@ void Commodore::on(const GroupStatus& status, Time now, Outbox& out) {
   if (status.lanes != lanes_.size()) return;  // another mission
   if (!first && !newer(status.number, member.status.number)) return;
   note_heard(status.from, now, out);
+  const bool asks_anew = status.ask && (!member.status.ask || member.status.ask->passage != status.ask->passage ||
+                                        member.status.ask->number != status.ask->number);
+  if (asks_anew) member.asked = now;
   member.status = status;
+  if (status.from == gate_keeper()) hear_turns(status, now, out);
   if (status.begin_s && !begin_at_) begin_at_ = second_near(now, *status.begin_s);
   GroupObstacles told;
   for (const ObstacleWord& o : status.obstacles) {
@@ -210,6 +214,9 @@ void Commodore::send(Time now, Outbox& out) {
   status.version = shared_ ? shared_->version : 0;
   status.over = over_;
   status.ready = ready_;
+  status.no_way = no_way_;
+  status.ask = passages_.ask();
+  for (const auto& [passage, given] : turns_) status.turns.push_back(given);
   if (begin_at_) status.begin_s = static_cast<std::uint16_t>(whole_second(*begin_at_));
   status.lanes = static_cast<std::uint8_t>(lanes_.size());
   status.done = done_;

@@ -10,41 +10,15 @@
 namespace isobath {
 namespace {
 
-constexpr double kAtSurface = 0.5;  // m of depth
-constexpr int kMaxSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
+constexpr int kMaxCycles = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
 
-PlanAction at_point(const char* name, std::size_t point) { return {name, {{"point", static_cast<double>(point)}}}; }
-
-int index(std::size_t point) { return static_cast<int>(point); }
+int as_int(std::size_t point) { return static_cast<int>(point); }
 
 /// The point that the action names, if it is one of so many.
 std::optional<std::size_t> point_of_action(const PlanAction& action, std::size_t points) {
   const auto number = action.number("point");
   if (!number || *number < 0 || *number >= static_cast<double>(points)) return std::nullopt;
   return static_cast<std::size_t>(*number);
-}
-
-// Adds the nodes of an ending; returns the first of them.
-std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, std::size_t points,
-                    const ExecutiveConfig& config) {
-  if (end == MissionEnd::kHold) return graph.add(name, {"finish"});
-  const std::size_t first = graph.add(name, {end == MissionEnd::kReturn ? "return" : "surface"});
-  const std::size_t finish = graph.add(name + ", finished", {"finish"});
-  std::size_t surface = first;
-  if (end == MissionEnd::kReturn) {
-    surface = graph.add(name + ", no way back", {"surface"});
-    graph.join(first, PlanEvent::fact("returned"), finish);
-    graph.join(first, PlanEvent::above("waited", config.route_timeout_s, index(points)), surface);
-  }
-  graph.join(surface, PlanEvent::below("depth", kAtSurface), finish);
-  graph.join(surface, PlanEvent::timeout(config.surface_wait_s), finish);
-  return first;
-}
-
-/// Where the vehicle waits: at the last point, if that is a waiting place, else where it is.
-std::size_t add_wait(PlanGraph& graph, const MissionPlan& plan, std::span<const std::size_t> points) {
-  const bool at_place = !points.empty() && points.back() >= plan.search.all_stations();
-  return graph.add("wait", at_place ? at_point("wait", points.back()) : PlanAction{"wait"});
 }
 
 }  // namespace
@@ -61,59 +35,6 @@ std::vector<Field> fields(ExecutiveConfig& c) {
       Field::integer("approaches", &c.approaches, {1, 100}, "1",
                      "Maximum number of approaches to a point that is passed abeam."),
   };
-}
-
-PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config) {
-  std::vector<std::size_t> all(plan.points.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  return visit_graph(plan, all, true, config);
-}
-
-PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> points, bool last,
-                      const ExecutiveConfig& config) {
-  PlanGraph graph{plan.title};
-  struct Nodes {
-    std::size_t go, drop, last;  // `last`: the last node of the work at the point
-    PlanEvent over;              // the event that ends this work
-  };
-  std::vector<Nodes> at;
-  for (const std::size_t i : points) {
-    const MissionPoint& p = plan.points[i];
-    const std::string name = fmt::format("point {}", i + 1);
-    const std::size_t go = graph.add(name, at_point("go to", i));
-    Nodes nodes{go, graph.add(name + ", drop", at_point("drop", i)), go, PlanEvent::fact("point reached", index(i))};
-    graph.join(go, PlanEvent::above("waited", config.route_timeout_s, index(i)), nodes.drop);
-    const auto then = [&](const char* what, PlanEvent over) {
-      const std::size_t node = graph.add(fmt::format("{}, {}", name, what), at_point(what, i));
-      graph.join(nodes.last, nodes.over, node);
-      nodes.last = node;
-      nodes.over = std::move(over);
-    };
-    if (p.hold_s > 0) then("hold", PlanEvent::timeout(p.hold_s));
-    if (!p.task.empty()) then("task", PlanEvent::fact("task done", index(i)));
-    at.push_back(nodes);
-  }
-  const std::size_t all = plan.points.size();
-  const std::size_t over = last ? add_end(graph, plan.at_end, "end", all, config) : add_wait(graph, plan, points);
-  const std::size_t dropped =
-      at.empty() || !last ? over : add_end(graph, plan.if_dropped, "end after a drop", all, config);
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    const std::size_t i = points[k];
-    const bool is_last = k + 1 == at.size();
-    const std::size_t next = is_last ? over : at[k + 1].go;
-    const std::size_t next_after_drop = is_last ? dropped : next;
-    graph.join(at[k].last, at[k].over, next);
-    if (!plan.points[i].task.empty()) graph.join(at[k].last, PlanEvent::timeout(config.task_wait_s), next);
-    graph.join(at[k].go, PlanEvent::fact("point dropped", index(i)), next_after_drop);
-    graph.join(at[k].drop, PlanEvent::fact("point dropped", index(i)), next_after_drop);
-  }
-  return graph;
-}
-
-PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& config) {
-  PlanGraph graph{"end"};
-  add_end(graph, end, "end", points, config);
-  return graph;
 }
 
 ExecutiveOfficer::ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library,
@@ -133,6 +54,12 @@ void ExecutiveOfficer::on_message(const Message& message, Time now, Outbox& out)
   if (const auto* route = std::get_if<RoutePlanned>(&message)) on(*route, out);
   if (const auto* refused = std::get_if<RouteRefused>(&message)) on(*refused, out);
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) on(*passed, out);
+  if (const auto* health = std::get_if<Health>(&message)) {
+    if (health->source == "vehicle" && health->battery_share >= 0) battery_share_ = health->battery_share;
+  }
+  if (const auto* scan = std::get_if<ObstacleScan>(&message)) note_range(*scan);
+  if (const auto* wait = std::get_if<PassageWait>(&message)) on(*wait, out);
+  if (const auto* call = std::get_if<TaskCall>(&message)) call_ = call->id;
   if (const auto* award = std::get_if<TaskAward>(&message)) on(*award);
   if (const auto* plan = std::get_if<TaskPlan>(&message)) on(*plan, out);
   if (const auto* lost = std::get_if<AgentLost>(&message)) {
@@ -150,10 +77,10 @@ void ExecutiveOfficer::tick(Time now, Outbox& out) {
   now_ = now;
   const double dt = last_tick_ ? to_seconds(now - *last_tick_) : 0;
   last_tick_ = now;
-  if (no_way_ && !paused_) {
-    facts_[{"waited", index(errand_ == Errand::kReturn ? points_.size() : point_)}] += dt;
+  if (no_way_ && !paused_ && !waits_for_turn_) {
+    facts_[{"waited", as_int(errand_ == Errand::kReturn ? points_.size() : point_)}] += dt;
   }
-  if (move_until_ && now >= *move_until_) drop(no_way_why_, out);
+  if (move_until_ && now >= *move_until_) drop(no_way_why_, false, out);
   cycle(out);
   if (plans_.is_due(now)) plan_again(out);
 }
@@ -198,7 +125,7 @@ void ExecutiveOfficer::plan_again(Outbox& out) {
 std::optional<Eigen::Vector2d> ExecutiveOfficer::next_W() const {
   if (errand_ != Errand::kPoint || !executor_ || !executor_->started()) return std::nullopt;
   const PlanGraph& graph = executor_->graph();
-  const PlanEvent there = PlanEvent::fact("point reached", index(point_));
+  const PlanEvent there = PlanEvent::fact("point reached", as_int(point_));
   for (const PlanArc& arc : graph.arcs) {
     if (arc.from != executor_->node() || arc.event != there) continue;
     const PlanAction& next = graph.nodes[arc.to].action;
@@ -223,7 +150,8 @@ void ExecutiveOfficer::on(const MissionOrder& order, Outbox& out) {
       report(MissionPhase::kUnderWay, order.why, out);
       // The Commodore may have ordered other points meanwhile.
       if (is_shared()) return act(executor_->graph().nodes[executor_->node()].action, out);
-      if (errand_ != Errand::kNone) go(errand_, target_, out);
+      if (errand_ != Errand::kNone) return go(errand_, target_, out);
+      if (present_action() != nullptr && present_action()->name == "step") act(*present_action(), out);
   }
 }
 
@@ -254,6 +182,7 @@ void ExecutiveOfficer::end(MissionEnd how, const std::string& why, Outbox& out) 
   paused_ = false;
   errand_ = Errand::kNone;
   no_way_ = false;
+  look({}, out);
   move_until_.reset();
   executor_.emplace(end_graph(how, points_.size(), config_));
   report(MissionPhase::kAborted, why, out);
@@ -261,7 +190,7 @@ void ExecutiveOfficer::end(MissionEnd how, const std::string& why, Outbox& out) 
 }
 
 void ExecutiveOfficer::on(const VisitOrder& order, Outbox& out) {
-  if (!is_shared() || !busy() || phase_ == MissionPhase::kAborted) return;
+  if (!is_shared() || !busy() || phase_ == MissionPhase::kAborted || order.given_up) return;
   std::set<std::size_t> once;
   for (const std::size_t point : order.points) {
     if (point >= points_.size() || !once.insert(point).second) return;
@@ -276,7 +205,7 @@ void ExecutiveOfficer::visit(const VisitOrder& order, Outbox& out) {
   for (const std::size_t point : order.points) {
     if (on_the_way && point == point_) continue;
     for (const char* fact : {"point reached", "point dropped", "task done", "waited"}) {
-      facts_.erase({fact, index(point)});
+      facts_.erase({fact, as_int(point)});
     }
   }
   PlanGraph graph = visit_graph(*plan_, order.points, order.last, config_);
@@ -303,8 +232,18 @@ void ExecutiveOfficer::on(const PointMoved& moved, Outbox& out) {
   if (!paused_) go(Errand::kPoint, points_[point_], out);
 }
 
+/// Before a passage the vehicle waits as on the order of the operator, but by itself.
+void ExecutiveOfficer::on(const PassageWait& wait, Outbox& out) {
+  if (wait.waits == waits_for_turn_) return;
+  waits_for_turn_ = wait.waits;
+  if (errand_ == Errand::kNone || paused_ || !busy()) return;
+  report(wait.waits ? MissionPhase::kHolding : MissionPhase::kUnderWay, wait.why, out);
+  if (wait.waits) return stop(out);
+  go(errand_, target_, out);
+}
+
 void ExecutiveOfficer::on(const RoutePlanned& route, Outbox& out) {
-  if (errand_ == Errand::kNone || paused_ || route.request != request_) return;
+  if (waits_for_turn_ || errand_ == Errand::kNone || paused_ || route.request != request_) return;
   if (no_way_ && phase_ == MissionPhase::kHolding) report(MissionPhase::kUnderWay, route.why, out);
   no_way_ = false;
   version_ = route.version;
@@ -313,7 +252,7 @@ void ExecutiveOfficer::on(const RoutePlanned& route, Outbox& out) {
 }
 
 void ExecutiveOfficer::on(const RouteRefused& refused, Outbox& out) {
-  if (errand_ == Errand::kNone || paused_ || refused.request != request_) return;
+  if (waits_for_turn_ || errand_ == Errand::kNone || paused_ || refused.request != request_) return;
   using Reason = RouteRefused::Reason;
   no_way_why_ = refused.why;
   stop(out);
@@ -333,22 +272,22 @@ void ExecutiveOfficer::on(const WaypointPassed& passed, Outbox& out) {
 }
 
 void ExecutiveOfficer::on(const TaskAward& award) {
-  if (award.id == point_ + 1 && award.driver.empty()) note("task done", point_);
+  if (award.id == call_ && award.driver.empty()) note("task done", point_);
 }
 
 void ExecutiveOfficer::on(const TaskPlan& plan, Outbox& out) {
-  const PlanAction* action =
-      executor_ && executor_->started() ? &executor_->graph().nodes[executor_->node()].action : nullptr;
-  if (action == nullptr || action->name != "task" || plan.id != point_ + 1 || errand_ == Errand::kTask) return;
+  const PlanAction* action = present_action();
+  const bool wanted = action != nullptr && (action->name == "task" || action->name == "step");
+  if (!wanted || plan.id != call_ || errand_ == Errand::kTask) return;
   visits_.assign(plan.waypoints.begin(), plan.waypoints.end());
   visits_drop_distance_m_ = plan.drop_distance_m;
-  decide("task", fmt::format("{} does {} with {} way-points", plan.driver, points_[point_].task, visits_.size()), out);
+  decide("task", fmt::format("{} does {} with {} way-points", plan.driver, asked_task_, visits_.size()), out);
   give_up_leg("", out);
 }
 
 void ExecutiveOfficer::cycle(Outbox& out) {
   if (!executor_ || paused_) return;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kMaxCycles; ++step) {
     const PlanAction* action = executor_->cycle(now_, *this);
     if (action == nullptr) return;
     act(*action, out);
@@ -359,6 +298,7 @@ void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {
   const auto point = point_of_action(action, points_.size());
   const bool known = point.has_value();
   if (known) point_ = *point;
+  if (action.name != "step") look({}, out);
   if (action.name == "go to" && known) {
     approaches_ = 1;
     out.say(PointReport{PointReport::Kind::kTaken, point_, name_of(points_[point_], point_)});
@@ -372,19 +312,72 @@ void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {
     approaches_ = 1;
     return go(Errand::kReturn, home, out);
   }
-  if (action.name == "drop" && known) return drop(no_way_why_, out);
+  if (action.name == "drop" && known) return drop(no_way_why_, true, out);
   errand_ = Errand::kNone;
   no_way_ = false;
   if (action.name == "surface") {
     out.say(FollowOrder{0, {}, {}, true});
     return decide("surface", "the mission ends at the surface", out);
   }
+  const auto step = action.number("step");
+  if (action.name == "step" && known && step && *step >= 0 && *step < static_cast<double>(plan_->steps.size())) {
+    return begin_step(plan_->steps[static_cast<std::size_t>(*step)], out);
+  }
   // A vehicle that was at its waiting place circles there already.
   if (action.name == "wait" && known && is_near(points_[point_])) return;
   stop(out);
+  if (action.name == "task" && known) return ask_driver(points_[point_].task, out);
   if (action.name == "finish" && phase_ != MissionPhase::kAborted) {
     report(MissionPhase::kFinished, fmt::format("{} points reached, {} dropped", reached_, dropped_), out);
   }
+}
+
+/// Gives pilot, sonar and link what the step asks of them.
+void ExecutiveOfficer::begin_step(const TaskStep& step, Outbox& out) {
+  facts_.erase({"task done", as_int(point_)});
+  visits_.clear();
+  const auto scan = scan_of(step);
+  std::string what = fmt::format("{}, {}: the pilot's part is \"{}\"", step.task, step.name, step.pilot);
+  if (scan) what += fmt::format("; the sonar scans {:.0f} deg", step.sector.degrees());
+  if (!step.tell.empty()) what += fmt::format("; the operator is told \"{}\"", step.tell);
+  decide("step", std::move(what), out);
+  look(scan, out);
+  if (!step.tell.empty()) out.say(PointReport{PointReport::Kind::kTold, point_, step.tell});
+  if (step.pilot == "surface") return out.say(FollowOrder{0, {}, {}, true});
+  if (step.pilot == "go") {
+    const MissionPoint& p = points_[point_];
+    visits_ = {{p.north_east.x(), p.north_east.y(), p.depth_m, p.speed > 0 ? p.speed : plan_->speed}};
+    visits_drop_distance_m_ = p.drop_distance_m;
+    return give_up_leg("", out);
+  }
+  stop(out);
+  if (step.pilot != "hold") ask_driver(step.pilot, out);
+}
+
+/// Orders how the scanning sonar looks, if that changes.
+void ExecutiveOfficer::look(const std::optional<ScanCommand>& scan, Outbox& out) {
+  if (!scan && !looks_as_ordered_) return;
+  looks_as_ordered_ = scan.has_value();
+  out.say(SonarOrder{scan});
+}
+
+void ExecutiveOfficer::ask_driver(const std::string& task, Outbox& out) {
+  call_.reset();
+  asked_task_ = task;
+  out.say(PointReport{PointReport::Kind::kTask, point_, task});
+}
+
+void ExecutiveOfficer::note_range(const ObstacleScan& scan) {
+  if (!plan_ || plan_->steps.empty()) return;
+  range_m_.reset();
+  for (const Hazard& hazard : scan.hazards) {
+    const double away_m = std::max(0.0, signed_distance(hazard.outline, Eigen::Vector2d::Zero()) - hazard.margin_m);
+    range_m_ = std::min(range_m_.value_or(away_m), away_m);
+  }
+}
+
+const PlanAction* ExecutiveOfficer::present_action() const {
+  return executor_ && executor_->started() ? &executor_->graph().nodes[executor_->node()].action : nullptr;
 }
 
 bool ExecutiveOfficer::is_near(const MissionPoint& point) const {
@@ -407,7 +400,7 @@ void ExecutiveOfficer::arrive(bool reached_it, Outbox& out) {
     decide("approach again", name_of(target_, point_) + " was passed abeam", out);
     return go(errand_, target_, out);
   }
-  if (!reached_it && errand_ == Errand::kPoint) return drop("it was passed abeam", out);
+  if (!reached_it && errand_ == Errand::kPoint) return drop("it was passed abeam", false, out);
   const Errand errand = errand_;
   if (errand == Errand::kTask) return give_up_leg("", out);
   errand_ = Errand::kNone;
@@ -420,19 +413,19 @@ void ExecutiveOfficer::arrive(bool reached_it, Outbox& out) {
   out.say(PointReport{PointReport::Kind::kReached, point_, name_of(target_, point_)});
 }
 
-void ExecutiveOfficer::drop(const std::string& why, Outbox& out) {
+void ExecutiveOfficer::drop(const std::string& why, bool no_way, Outbox& out) {
   errand_ = Errand::kNone;
   no_way_ = false;
   move_until_.reset();
   ++dropped_;
   note("point dropped", point_);
-  out.say(PointReport{PointReport::Kind::kDropped, point_, why});
+  out.say(PointReport{PointReport::Kind::kDropped, point_, why, no_way});
   decide("drop point", name_of(points_[point_], point_) + ": " + why, out);
 }
 
 // Drops a mission point; within a task, goes on to the next place.
 void ExecutiveOfficer::give_up_leg(const std::string& why, Outbox& out) {
-  if (errand_ == Errand::kPoint) return drop(why, out);
+  if (errand_ == Errand::kPoint) return drop(why, false, out);
   if (visits_.empty()) {
     errand_ = Errand::kNone;
     return note("task done", point_);
@@ -463,6 +456,9 @@ void ExecutiveOfficer::decide(const char* what, std::string reason, Outbox& out)
 
 std::optional<double> ExecutiveOfficer::value(const std::string& quantity, std::optional<int> of) const {
   if (quantity == "depth" && !of) return here_ ? std::optional(here_->X_WB.translation.z()) : std::nullopt;
+  if (quantity == "sigma" && !of) return here_ ? sigma_m_of(*here_) : std::nullopt;
+  if (quantity == "battery" && !of) return battery_share_;
+  if (quantity == "range" && !of) return range_m_;
   const auto fact = facts_.find({quantity, of.value_or(-1)});
   return fact == facts_.end() ? std::nullopt : std::optional(fact->second);
 }

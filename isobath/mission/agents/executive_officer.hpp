@@ -1,15 +1,23 @@
 // ExecutiveOfficer: takes the vehicle through a mission, point by point (Ganesan 2015, 5.1; Herman 1988, 2; ledger
 // S6-35, S6-51, S6-E21, S2-06 to S2-09).
 //
-// Receives MissionOrder, VisitOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan,
-// Navigation and AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, LevelPlan, Decision.
+// Receives MissionOrder, VisitOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskCall, TaskAward,
+// TaskPlan, Navigation, Health, ObstacleScan, PassageWait and AgentLost. Sends RouteRequest, FollowOrder, PointReport,
+// MissionReport, SonarOrder, LevelPlan, Decision.
 //
 // The mission is a plan graph: one node per point, and nodes for the work there and for the end. The graph is derived
 // from the MissionPlan, or taken by its title from the library that the constructor receives (S2-09). The events of the
 // graph are
 //   point reached (i), point dropped (i), task done (i), returned     facts
 //   waited (i)      total time without a route to point i, s; i = number of points: without a route back
-//   depth           m
+//   depth, sigma    m; sigma: of the horizontal position
+//   battery         share of a full charge
+//   range           m; to the nearest obstacle of the last scan
+// Where it has to wait for its turn in a passage, the vehicle holds its position; that is no time without a route.
+//
+// A task of a mission point is one that the mission describes (task_steps.hpp), whose steps become nodes of the graph,
+// or one of a back-seat driver, which is asked for once the vehicle is there.
+//
 // In a group the Commodore orders which points to visit, in which order; each order replaces what is still to come. The
 // way to a point goes on, if the point is the first of the order (S2-24). Before the first order, and after
 // the points of one that is not the last, the vehicle holds its position. If the Commodore is lost, the points that are
@@ -43,7 +51,8 @@ struct ExecutiveConfig {
 
 std::vector<Field> fields(ExecutiveConfig& config);
 
-/// Actions: "go to", "drop", "hold", "task" (each with "point"), "return", "surface", "finish".
+/// Actions: "go to", "drop", "hold", "task" (each with "point"), "step" (with "point" and "step"), "return", "surface",
+/// "finish".
 PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config);
 /// The same for some of the points, in this order; if they are not the last, it ends in "wait".
 PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> points, bool last,
@@ -83,7 +92,13 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   void go(Errand errand, const MissionPoint& target, Outbox& out);
   void arrive(bool reached, Outbox& out);
   void reached(Outbox& out);
-  void drop(const std::string& why, Outbox& out);
+  void drop(const std::string& why, bool no_way, Outbox& out);
+  void begin_step(const TaskStep& step, Outbox& out);
+  void look(const std::optional<ScanCommand>& scan, Outbox& out);
+  void on(const PassageWait& wait, Outbox& out);
+  void ask_driver(const std::string& task, Outbox& out);
+  void note_range(const ObstacleScan& scan);
+  [[nodiscard]] const PlanAction* present_action() const;
   void give_up_leg(const std::string& why, Outbox& out);
   void stop(Outbox& out);
   void report(MissionPhase phase, const std::string& why, Outbox& out);
@@ -110,6 +125,11 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   Time now_;
   std::optional<Time> last_tick_;
   std::optional<Navigation> here_;
+  std::optional<double> battery_share_, range_m_;
+  bool waits_for_turn_ = false;                     ///< before a passage
+  bool looks_as_ordered_ = false;                   ///< the scanning sonar
+  std::optional<std::uint32_t> call_;               ///< for a back-seat driver, since it was last wanted
+  std::string asked_task_;                          ///< of that driver
   Eigen::Vector2d home_ = Eigen::Vector2d::Zero();  ///< where the mission started
 
   Errand errand_ = Errand::kNone;

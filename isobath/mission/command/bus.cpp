@@ -42,6 +42,8 @@ constexpr const char* name(const Decision*) { return "decision"; }
 constexpr const char* name(const WorldSnapshot*) { return "world"; }
 constexpr const char* name(const LinkFrame*) { return "link frame"; }
 constexpr const char* name(const LevelPlan*) { return "level plan"; }
+constexpr const char* name(const SonarOrder*) { return "sonar order"; }
+constexpr const char* name(const PassageWait*) { return "passage wait"; }
 
 template <std::size_t... I>
 constexpr std::array<const char*, sizeof...(I)> all_names(std::index_sequence<I...>) {

@@ -29,6 +29,7 @@ std::optional<CommandLink> CommandChain::link(const Message& message, std::uint6
     requests_.note(request->id, number);
     return CommandLink{CommandLevel::kVehicle, order_};
   }
+  if (std::holds_alternative<SonarOrder>(message)) return CommandLink{CommandLevel::kVehicle, order_};
   if (const auto* route = std::get_if<RoutePlanned>(&message)) {
     routes_.note(route->version, number);
     return CommandLink{CommandLevel::kMove, requests_.number_of(route->request)};

@@ -5,6 +5,7 @@
 //   mission    mission order            Captain           the operator's command
 //   group      visit order              Commodore         the mission order
 //   vehicle    route request            Executive Officer the visit order; without one, the mission order
+//              sonar order          Executive Officer the visit order; without one, the mission order
 //   move       route planned,           Navigator,        the route request that it names,
 //              follow order,            Executive Officer the route that it names; none: it holds for the order above
 //              motion order             Goal Selector     the follow order that it names

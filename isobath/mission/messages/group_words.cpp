@@ -10,12 +10,12 @@ using Bytes = std::span<const std::uint8_t>;
 enum : std::uint8_t { kStatus = 1, kPlan = 2 };
 constexpr std::size_t kGroupHead = 5, kStatusHead = 20, kPlanHead = 9, kCheck = 2;
 constexpr std::uint8_t kNobody = 15, kNone = 255;
-constexpr std::size_t kObstacle = 7;
+constexpr std::size_t kObstacle = 7, kTurn = 2, kPassages = 3;
 constexpr double kPlaceStep_m = 0.5, kSizeStep_m = 0.25;
 
 std::size_t bytes_of(std::size_t lanes) { return (lanes + 7) / 8; }
 
-FrameBytes begun(std::uint8_t kind, std::uint8_t from) { return {'I', 'G', 2, kind, from}; }
+FrameBytes begun(std::uint8_t kind, std::uint8_t from) { return {'I', 'G', 3, kind, from}; }
 
 FrameBytes checked(FrameBytes out) {
   put(out, crc32(out) & 0xffffU, kCheck);
@@ -51,10 +51,23 @@ LaneBits done_at(Bytes bytes, std::size_t at, std::size_t lanes) {
   return number_at(bytes, at, bytes_of(lanes)) & all;
 }
 
+/// Whether the bytes are all of a status about passages.
+bool passages_in(Bytes b, GroupStatus& s) {
+  if (b.size() < kPassages || b[2] > kMaxPassages || b.size() != kPassages + kTurn * b[2]) return false;
+  if (const auto passage = unless_none(b[0])) s.ask = PassageAsk{*passage, b[1], false};
+  for (std::size_t at = kPassages; at < b.size(); at += kTurn) {
+    s.turns.push_back({static_cast<std::uint8_t>(b[at] & 15U), static_cast<std::uint8_t>(b[at] >> 4), b[at + 1]});
+  }
+  return true;
+}
+
 std::optional<GroupStatus> status_in(Bytes b) {
   if (b.size() < kStatusHead || b[kStatusHead - 1] > kMaxLanes) return std::nullopt;
   const std::size_t told = kStatusHead + bytes_of(b[kStatusHead - 1]);
-  if (b.size() <= told || b[told] > kMostTold || b.size() != told + 1 + kObstacle * b[told]) return std::nullopt;
+  if (b.size() <= told || b[told] > kMostTold) return std::nullopt;
+  const std::size_t end = told + 1 + kObstacle * b[told];
+  const bool has_passages = (b[16] & 64U) != 0;
+  if (b.size() < end || (!has_passages && b.size() != end)) return std::nullopt;
   GroupStatus s;
   s.from = b[4];
   s.number = static_cast<std::uint16_t>(number_at(b, 5, 2));
@@ -67,9 +80,12 @@ std::optional<GroupStatus> status_in(Bytes b) {
   s.backwards = (b[16] & 2U) != 0;
   s.ready = (b[16] & 4U) != 0;
   if ((b[16] & 8U) != 0) s.begin_s = static_cast<std::uint16_t>(number_at(b, 17, 2));
+  s.no_way = (b[16] & 16U) != 0;
   s.lanes = b[19];
   s.done = done_at(b, kStatusHead, s.lanes);
   for (std::size_t i = 0; i < b[told]; ++i) s.obstacles.push_back(obstacle_at(b, told + 1 + kObstacle * i));
+  if (has_passages && !passages_in(b.subspan(end), s)) return std::nullopt;
+  if (s.ask) s.ask->passing = (b[16] & 32U) != 0;
   return s;
 }
 
@@ -92,6 +108,11 @@ std::optional<GroupPlan> plan_in(Bytes b) {
 }  // namespace
 
 FrameBytes to_bytes(const GroupStatus& s) {
+  const bool has_passages = s.ask || !s.turns.empty();
+  const bool flags[] = {s.over,      s.backwards, s.ready, s.begin_s.has_value(), s.no_way, s.ask && s.ask->passing,
+                        has_passages};
+  unsigned flag_bits = 0;
+  for (std::size_t i = 0; i < std::size(flags); ++i) flag_bits |= static_cast<unsigned>(flags[i]) << i;
   FrameBytes out = begun(kStatus, s.from);
   put(out, s.number, 2);
   put(out, place_word(s.place_W.x()), 2);
@@ -100,8 +121,7 @@ FrameBytes to_bytes(const GroupStatus& s) {
   out.push_back(s.stations);
   out.push_back(s.leader.value_or(kNone));
   put(out, s.version, 2);
-  out.push_back(static_cast<std::uint8_t>((s.over ? 1U : 0U) | (s.backwards ? 2U : 0U) | (s.ready ? 4U : 0U) |
-                                          (s.begin_s ? 8U : 0U)));
+  out.push_back(static_cast<std::uint8_t>(flag_bits));
   put(out, s.begin_s.value_or(0), 2);
   out.push_back(s.lanes);
   put(out, s.done, static_cast<int>(bytes_of(s.lanes)));
@@ -113,6 +133,15 @@ FrameBytes to_bytes(const GroupStatus& s) {
     put(out, place_word(o.centre_W.y()), 2);
     out.push_back(size_word(o.radius_m));
     out.push_back(size_word(o.sigma_m));
+  }
+  if (!has_passages) return checked(std::move(out));
+  const std::size_t turns = std::min(s.turns.size(), kMaxPassages);
+  out.push_back(s.ask ? s.ask->passage : kNone);
+  out.push_back(s.ask ? s.ask->number : 0);
+  out.push_back(static_cast<std::uint8_t>(turns));
+  for (const PassageTurn& turn : std::span(s.turns).first(turns)) {
+    out.push_back(static_cast<std::uint8_t>((turn.passage & 15U) | (static_cast<unsigned>(turn.vehicle) << 4)));
+    out.push_back(turn.number);
   }
   return checked(std::move(out));
 }
@@ -134,7 +163,7 @@ FrameBytes to_bytes(const GroupPlan& p) {
 bool is_of_group(Bytes bytes) { return bytes.size() >= 2 && bytes[0] == 'I' && bytes[1] == 'G'; }
 
 std::optional<std::variant<GroupStatus, GroupPlan>> group_word_of(Bytes bytes) {
-  if (!is_of_group(bytes) || bytes.size() < kGroupHead + kCheck || bytes[2] != 2) return std::nullopt;
+  if (!is_of_group(bytes) || bytes.size() < kGroupHead + kCheck || bytes[2] != 3) return std::nullopt;
   const Bytes all = bytes.first(bytes.size() - kCheck);
   if (number_at(bytes, all.size(), kCheck) != (crc32(all) & 0xffffU)) return std::nullopt;
   if (bytes[3] == kStatus) {

@@ -5,22 +5,25 @@
 // changes nothing. A status has a number that rises with each packet of its vehicle; a plan has the version of its
 // leader. What was done (lanes that were sailed) only ever grows, so that it may be merged from any packet.
 //
-// Layout, little endian: "IG", version 2, kind (1), sender (1), then
+// Layout, little endian: "IG", version 3, kind (1), sender (1), then
 //   status  number (2), north and east (2 each, in half metres), lane (1; 255: none), stations of it that were visited
 //           (1), plan's leader (1; 255: no plan) and version (2), flags (1; bit 0: over, bit 1: from the last station
-//           on, bit 2: ready, bit 3: a time to begin is agreed), this time (2, whole seconds since 1970, lower bits),
-//           lanes (1), lanes done (one bit each), obstacles (1; at most kMostTold), and for each of them key (1), north
-//           and east (2 each, in half metres), radius and sigma (1 each, in quarters of a metre, rounded up)
+//           on, bit 2: ready, bit 3: a time to begin is agreed, bit 4: it finds no way to its lanes, bit 5: it goes
+//           through the passage that it asked for, bit 6: passages follow), this time (2, whole seconds since 1970,
+//           lower bits), lanes (1), lanes done (one bit each), obstacles (1; at most kMostTold), and for each of them
+//           key (1), north and east (2 each, in half metres), radius and sigma (1 each, in quarters of a metre, rounded
+//           up); passages: that which it asks for (1; 255: none), number of the ask (1), turns (1; at most
+//           kMaxPassages), and for each of them passage and vehicle (4 bits each) and number of the ask (1)
 //   plan    version (2), flags (1; bit 0: ascending), lanes (1), lanes done (one bit each), owners (4 bits a lane;
 //           15: none)
-// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a plan has 24 bytes, a status 26 and 7 more for
-// each obstacle that it tells of. Input is
-// untrusted: anything else is no packet.
+// and the lower 16 bits of the CRC-32 of all before. With 20 lanes a plan has 24 bytes, a status 26, 7 more for each
+// obstacle that it tells of, and 3 more for passages with 2 for each turn. Input is untrusted: anything else is no
+// packet.
 #pragma once
 
 #include <Eigen/Core>
 #include <isobath/mission/messages/frame_bytes.hpp>
-#include <isobath/mission/plan/search_area.hpp>
+#include <isobath/mission/plan/mission_plan.hpp>
 #include <optional>
 #include <variant>
 
@@ -41,6 +44,21 @@ struct ObstacleWord {
   bool operator==(const ObstacleWord&) const = default;
 };
 
+/// A vehicle asks to go through a passage of the mission, alone.
+struct PassageAsk {
+  std::uint8_t passage = 0;  ///< index in the plan
+  std::uint8_t number = 0;   ///< of the asks of this vehicle; it wraps
+  bool passing = false;      ///< it has got its turn
+  bool operator==(const PassageAsk&) const = default;
+};
+/// The gate keeper gives a vehicle its turn, for one ask.
+struct PassageTurn {
+  std::uint8_t passage = 0;
+  std::uint8_t vehicle = 0;
+  std::uint8_t number = 0;  ///< of the ask
+  bool operator==(const PassageTurn&) const = default;
+};
+
 struct GroupStatus {
   std::uint8_t from = 0;  ///< index of the vehicle in the group
   std::uint16_t number = 0;
@@ -53,7 +71,10 @@ struct GroupStatus {
   bool over = false;                                  ///< its mission has ended; it will sail no more lanes
   bool ready = false;                                 ///< it waits at its first lane for the others
   std::optional<std::uint16_t> begin_s;               ///< when all begin together: the lower bits of the second
-  std::uint8_t lanes = 0;                             ///< of the area
+  bool no_way = false;                                ///< it finds no way to its lanes; it sails no more of them
+  std::optional<PassageAsk> ask;
+  std::uint8_t lanes = 0;          ///< of the area
+  std::vector<PassageTurn> turns;  ///< of the gate keeper: whose turn it is; at most kMaxPassages
   LaneBits done = 0;
   std::vector<ObstacleWord> obstacles;  ///< at most kMostTold
   bool operator==(const GroupStatus&) const = default;

@@ -50,4 +50,13 @@ std::string to_text(const Decision& decision) {
   return to_text(decision.time) + " " + decision.agent + ": " + decision.what + ": " + decision.reason;
 }
 
+std::optional<ScanCommand> scan_of(const TaskStep& step) {
+  if (step.sector <= Angle{}) return std::nullopt;
+  ScanCommand scan;
+  scan.sector = step.sector;
+  scan.middle = step.look;
+  if (step.sonar_range_m > 0) scan.range_m = step.sonar_range_m;
+  return scan;
+}
+
 }  // namespace isobath

@@ -15,6 +15,7 @@
 #include <isobath/planning/world_snapshot.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/range_reading.hpp>
+#include <isobath/sonar/scan_command.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/health.hpp>
 #include <isobath/vehicle/navigation.hpp>
@@ -61,8 +62,8 @@ struct ChartedHazards {
   std::optional<Time> looked_ahead = {};  ///< as in WorldSnapshot
 };
 
-/// Commodore -> Navigator: the water in which other vehicles of the group circle while they wait; replaces that before.
-/// In W.
+/// Commodore -> Navigator: the water in which other vehicles of the group circle while they wait, and passages that
+/// count as blocked; replaces those before. In W.
 struct GroupHazards {
   std::vector<Hazard> hazards;
 };
@@ -128,12 +129,19 @@ struct PointMoved {
   Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
 };
 
-/// Commodore -> Executive Officer: the points of the mission to visit from now on, in this order, instead of those that
-/// are still to come. If the vehicle is on its way to the first of them, it goes on.
+/// Commodore -> Executive Officer, Captain: the points of the mission to visit from now on, in this order, instead of
+/// those that are still to come. If the vehicle is on its way to the first of them, it goes on.
 struct VisitOrder {
   std::uint32_t version = 0;
   std::vector<std::size_t> points;
   bool last = false;  ///< the mission ends after them; else the vehicle waits for the next order
+  std::string why;
+  bool given_up = false;  ///< no vehicle of the group finds a way to what is left: for the Captain (S2-17)
+};
+
+/// Commodore -> Executive Officer: the vehicle waits where it is until it is its turn in a passage, or goes on (S2-17).
+struct PassageWait {
+  bool waits = false;
   std::string why;
 };
 
@@ -173,16 +181,19 @@ struct RouteRefused {
 };
 const char* to_text(RouteRefused::Reason reason);
 
-/// Executive Officer -> Captain.
+/// Executive Officer -> Captain, Commodore.
 struct PointReport {
   enum class Kind : std::uint8_t {
     kReached,
     kDropped,
-    kTaken,    ///< the vehicle is on its way there
-    kAvoiding  ///< the route there goes round an obstacle (S6-56)
+    kTaken,     ///< the vehicle is on its way there
+    kAvoiding,  ///< the route there goes round an obstacle (S6-56)
+    kTask,      ///< a back-seat driver is wanted there for the task that `why` names
+    kTold       ///< a step of a task tells the operator `why`
   } kind = Kind::kReached;
   std::size_t point = 0;
   std::string why;
+  bool no_way = false;  ///< kDropped: for want of a route, not because of what stands on the point
 };
 struct MissionReport {
   MissionPhase phase = MissionPhase::kWaiting;
@@ -218,6 +229,13 @@ struct MotionOrder {
   Eigen::Vector2d velocity_W = Eigen::Vector2d::Zero();  ///< over ground, that it should have at `at`
   Time at;                                               ///< later than `time` by the lag of the vehicle's heading
 };
+
+/// Executive Officer -> vehicle: how the scanning sonar looks from now on (S2-16); empty: as configured.
+struct SonarOrder {
+  std::optional<ScanCommand> scan;
+};
+/// How the sonar looks during a step of a task; empty: as configured.
+std::optional<ScanCommand> scan_of(const TaskStep& step);
 
 /// Pilot -> Executive Officer.
 struct WaypointPassed {
@@ -346,6 +364,6 @@ using Message =
                  GroupHazards, GroupObstacles, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest,
                  RoutePlanned, RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder,
                  WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid,
-                 TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame, LevelPlan>;
+                 TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame, LevelPlan, SonarOrder, PassageWait>;
 
 }  // namespace isobath

@@ -18,6 +18,7 @@ std::string text_of(const Hazard& hazard) {
     case HazardKind::kMoving:
       return numbered ? fmt::format("moving obstacle {}", hazard.obstacle) : "a moving obstacle";
     case HazardKind::kVehicle: return "a vehicle of the group that waits";
+    case HazardKind::kBlocked: return "a passage that counts as blocked";
   }
   return "";
 }

@@ -94,13 +94,20 @@ std::vector<Field> point_fields(PointKeys& k) {
                   "How far the point may be moved off an obstacle that stands on it; 0: the point is dropped."),
       Field::real("deviation_m", &p.deviation_m, {0, 1e5}, "m",
                   "Most distance of the way to the point from the straight line; 0: any."),
-      Field::text("task", &p.task,
-                  "Task of a back-seat driver at the point, such as \"survey length_m=80\"; empty: none.")};
+      Field::text(
+          "task", &p.task,
+          "Task at the point: one of the mission itself, or of a back-seat driver, such as \"survey length_m=80\"; "
+          "empty: none.")};
 }
 
 std::vector<Field> outline_fields(OutlineKeys& k) {
   return {Field::real("at_s", &k.at_s, {0, 1e7}, "s", "Time after the start of the mission."),
           Field::rows("outline", &k.outline, 2, kMetres, "m", "Corners of a convex obstacle: north, east.")};
+}
+
+std::vector<Field> passage_fields(PassageKeys& k) {
+  return {Field::text("name", &k.passage.name, "Name of the passage in reports."),
+          Field::rows("outline", &k.outline, 2, kMetres, "m", "Corners of a convex polygon: north, east.")};
 }
 
 Place place_of(const Schema& read, const std::string& section) {
@@ -173,12 +180,16 @@ Polygon fence_of(const MissionKeys& keys, const Degrees& degrees, const Place& p
   return fence;
 }
 
+void turn_positive(Polygon& outline) {
+  if (area(outline) < 0) std::reverse(outline.begin(), outline.end());
+}
+
 void inject(const OutlineKeys& keys, std::vector<InjectedMap>& maps) {
   Polygon outline = polygon_of(keys.outline);
   check_outline(outline, keys.place);
   auto map = std::find_if(maps.begin(), maps.end(), [&](const InjectedMap& m) { return m.at_s == keys.at_s; });
   if (map == maps.end()) map = maps.insert(map, {keys.place, keys.at_s, {}});
-  if (area(outline) < 0) std::reverse(outline.begin(), outline.end());
+  turn_positive(outline);
   map->outlines.push_back(std::move(outline));
 }
 
@@ -223,25 +234,40 @@ Schema schema(MissionKeys& k) {
                   {"search_area", "A rectangle that is searched in lanes, instead of mission points.",
                    search_fields(k.plan.search)},
                   {"priorities", "What a way costs, beside time.", fields(k.plan.priorities)}};
-  all.lists = {{"mission_point", "The points of the mission, in order.",
-                [&k](const Place& place) {
-                  PointKeys& point = k.points.emplace_back();
-                  point.point.place = place;
-                  point.point.name = fmt::format("point {}", k.points.size());
-                  return point_fields(point);
-                }},
-               {"injected_map",
-                "An obstacle that counts as seen from a given time on; obstacles with the same time make one map.",
-                [&k](const Place& place) {
-                  OutlineKeys& outline = k.outlines.emplace_back();
-                  outline.place = place;
-                  return outline_fields(outline);
-                }},
-               {"risk_area", "A circle in which the vehicle may be detected or destroyed.", [&k](const Place& place) {
-                  RiskArea& risk = k.risks.emplace_back();
-                  risk.place = place;
-                  return fields(risk);
-                }}};
+  all.lists = {
+      {"mission_point", "The points of the mission, in order.",
+       [&k](const Place& place) {
+         PointKeys& point = k.points.emplace_back();
+         point.point.place = place;
+         point.point.name = fmt::format("point {}", k.points.size());
+         return point_fields(point);
+       }},
+      {"injected_map",
+       "An obstacle that counts as seen from a given time on; obstacles with the same time make one map.",
+       [&k](const Place& place) {
+         OutlineKeys& outline = k.outlines.emplace_back();
+         outline.place = place;
+         return outline_fields(outline);
+       }},
+      {"risk_area", "A circle in which the vehicle may be detected or destroyed.",
+       [&k](const Place& place) {
+         RiskArea& risk = k.risks.emplace_back();
+         risk.place = place;
+         return fields(risk);
+       }},
+      {"task_step", "A step of a task of the mission; the steps of a task stand in their order.",
+       [&k](const Place& place) {
+         TaskStep& step = k.steps.emplace_back();
+         step.place = place;
+         step.name = fmt::format("step {}", k.steps.size());
+         return fields(step);
+       }},
+      {"passage", "Narrow water that the vehicles of a group go through one at a time.", [&k](const Place& place) {
+         PassageKeys& passage = k.passages.emplace_back();
+         passage.passage.place = place;
+         passage.passage.name = fmt::format("passage {}", k.passages.size());
+         return passage_fields(passage);
+       }}};
   return all;
 }
 
@@ -258,6 +284,12 @@ MissionPlan make_plan(const MissionKeys& keys, const Schema& read, std::optional
   if (plan.search.on()) add_lanes(plan);
   for (const OutlineKeys& outline : keys.outlines) inject(outline, plan.injected);
   plan.risks = keys.risks;
+  plan.steps = keys.steps;
+  for (const PassageKeys& passage : keys.passages) {
+    GroupPassage& read_passage = plan.passages.emplace_back(passage.passage);
+    read_passage.outline = polygon_of(passage.outline);
+    turn_positive(read_passage.outline);
+  }
   return plan;
 }
 
@@ -327,6 +359,11 @@ std::string write_mission(const MissionPlan& plan) {
     }
   }
   for (RiskArea risk : plan.risks) text += "\n" + write_toml({{in_brackets("risk_area"), "", fields(risk)}}, false);
+  for (TaskStep step : plan.steps) text += "\n" + write_toml({{in_brackets("task_step"), "", fields(step)}}, false);
+  for (const GroupPassage& passage : plan.passages) {
+    PassageKeys passage_keys{passage, rows_of(passage.outline)};
+    text += "\n" + write_toml({{in_brackets("passage"), "", passage_fields(passage_keys)}}, false);
+  }
   return text;
 }
 

@@ -36,6 +36,12 @@ struct OutlineKeys {
   std::vector<double> outline;  ///< rows of north, east
 };
 
+/// A [[passage]].
+struct PassageKeys {
+  GroupPassage passage;
+  std::vector<double> outline;  ///< rows of north, east
+};
+
 /// The content of a mission file, key by key.
 struct MissionKeys {
   MissionPlan plan;  ///< title, speed, ends, limits
@@ -46,6 +52,8 @@ struct MissionKeys {
   std::vector<PointKeys> points;
   std::vector<OutlineKeys> outlines;
   std::vector<RiskArea> risks;
+  std::vector<TaskStep> steps;
+  std::vector<PassageKeys> passages;
 };
 
 /// Bound to `keys`, which must outlive the schema.

@@ -144,6 +144,7 @@ MissionPlan on_plane_of(MissionPlan plan, const GeoOrigin& origin) {
     for (Polygon& outline : map.outlines) std::for_each(outline.begin(), outline.end(), move);
   }
   for (RiskArea& risk : plan.risks) move(risk.centre_W);
+  for (GroupPassage& passage : plan.passages) std::for_each(passage.outline.begin(), passage.outline.end(), move);
   plan.origin = origin;
   return plan;
 }
@@ -172,6 +173,12 @@ void check_mission(const MissionPlan& plan) {
     check_range(map.place, "at_s", map.at_s, 0, 1e7, " s");
     for (const Polygon& outline : map.outlines) check_outline(outline, map.place);
   }
+  check_steps(plan.steps);
+  if (plan.passages.size() > kMaxPassages) {
+    refuse(plan.passages.back().place, "outline", fmt::format("{} passages", plan.passages.size()),
+           fmt::format("up to {}", kMaxPassages));
+  }
+  for (const GroupPassage& passage : plan.passages) check_outline(passage.outline, passage.place);
 }
 
 constexpr double kBetweenCircles_m = 12;

@@ -11,6 +11,7 @@
 #include <isobath/geometry/polygon.hpp>
 #include <isobath/mission/plan/priorities.hpp>
 #include <isobath/mission/plan/search_area.hpp>
+#include <isobath/mission/plan/task_steps.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ struct MissionPoint {
   double drop_distance_m = 0;             ///< a nearer obstacle blocks the point; 0: the Navigator's
   double move_m = 0;                      ///< how far the Captain may move it off an obstacle; 0: it is dropped (S6-65)
   double deviation_m = 0;                 ///< most distance of the way to it from the straight line; 0: any (S2-15)
-  std::string task = {};                  ///< what a back-seat driver does there; empty: nothing
+  std::string task = {};                  ///< of the mission (steps), or of a back-seat driver; empty: nothing
 };
 
 /// What the vehicle does when there is no further point.
@@ -41,6 +42,13 @@ struct InjectedMap {
   Place place;
   double at_s = 10;               ///< after the start of the mission
   std::vector<Polygon> outlines;  ///< convex, in W
+};
+
+/// Narrow water that the vehicles of a group go through one at a time (S2-17).
+struct GroupPassage {
+  Place place = {};
+  std::string name = {};
+  Polygon outline = {};  ///< convex, in W
 };
 
 struct MissionLimits {
@@ -89,6 +97,8 @@ struct MissionPlan {
   MissionEnd if_dropped = MissionEnd::kHold;  ///< what the vehicle does when the last point was dropped (S6-E21)
   bool waits_for_operator = false;  ///< starts at the operator's command; else as soon as it has looked around
   std::vector<InjectedMap> injected;
+  std::vector<TaskStep> steps;         ///< of all tasks that the mission describes
+  std::vector<GroupPassage> passages;  ///< at most kMaxPassages
   Priorities priorities;
   std::vector<RiskArea> risks;
   std::optional<GeoOrigin> origin;
@@ -96,8 +106,9 @@ struct MissionPlan {
 };
 
 /// Checks what no single value shows. Throws Error with the place of the mistake: no points; a number that is not
-/// finite or out of range; a point outside the fence (S6-43), beyond the depth limits or below the minimum altitude; a
-/// fence that is not a simple polygon; an injected outline that is not convex.
+/// finite or out of range; steps as check_steps; a passage that is not convex; a point outside the fence (S6-43),
+/// beyond the depth limits or below the minimum altitude; a fence that is not a simple polygon; an injected outline
+/// that is not convex.
 void check_mission(const MissionPlan& plan);
 /// The same mission on the plane of another origin: points, fence and injected outlines keep their places on the globe.
 /// Nothing changes without an origin, or where both are within a metre of each other. Throws Error where they are more
@@ -106,8 +117,9 @@ MissionPlan on_plane_of(MissionPlan plan, const GeoOrigin& origin);
 /// The same check for one outline to inject.
 void check_outline(const Polygon& outline, const Place& place);
 
-inline constexpr double kMaxMetres = 1e5;              ///< maximum distance from the origin, along each axis
-inline constexpr double kMaxSpeed = 10;                ///< m/s
+inline constexpr double kMaxMetres = 1e5;  ///< maximum distance from the origin, along each axis
+inline constexpr double kMaxSpeed = 10;    ///< m/s
+inline constexpr std::size_t kMaxPassages = 15;
 inline constexpr std::size_t kMaxFenceCorners = 1000;  ///< every place is checked against every side
 
 /// Adds the waiting places of the vehicles of its group to a mission with a search area: in a row beyond each side to

@@ -143,7 +143,8 @@ std::vector<FaultRow> route_rows() {
        .test = "FaultsOfTheWay.InsideAnObstacle"},
       {.fault = Fault::kNoPath,
        .name = "no path",
-       .noticed = "no route leads to the point, or there was no scan for too long, until a route is found",
+       .noticed = "no route leads to the point, or there was no scan for too long, until a route is found; the time "
+                  "counts anew for each further point that is tried",
        .action = Act::kStop,
        .abort = later(&SafetyConfig::blocked_abort_s),
        .over = Over::kAtOnce,

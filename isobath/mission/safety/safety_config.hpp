@@ -43,7 +43,7 @@ struct SafetyConfig {
   double progress_m = 2;
   double progress_s = 20;
   double route_abort_s = 30;
-  double blocked_abort_s = 60;
+  double blocked_abort_s = 75;  ///< longer than executive.route_timeout_s, after which another point is tried
   double budget_stop_s = 3;
   double budget_abort_s = 30;
 

@@ -114,6 +114,8 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
   if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
+  if (const auto* wait = std::get_if<PassageWait>(&message)) waits_for_turn_ = wait->waits;
+  if (const auto* report = std::get_if<PointReport>(&message)) on_point(*report);
   if (std::holds_alternative<MotionOrder>(message)) wait_for_traffic();
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;
   if (const auto* refused = std::get_if<RouteRefused>(&message)) refusal_ = Refusal{refused->reason, refused->why};
@@ -137,6 +139,13 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
     const Setpoint& s = order->setpoint;
     if (std::isfinite(s.heading.radians()) && std::isfinite(s.depth) && std::isfinite(s.speed)) order_ = s;
   }
+}
+
+void SafetyOfficer::on_point(const PointReport& report) {
+  if (report.kind != PointReport::Kind::kTaken || report.point == tried_point_) return;
+  tried_point_ = report.point;
+  Row& no_path = row(Fault::kNoPath);
+  if (no_path.raised && !no_path.aborted) no_path.since_s = clock_s_;
 }
 
 void SafetyOfficer::on_fix(const Navigation& fix, Time now) {

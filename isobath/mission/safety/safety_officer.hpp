@@ -18,6 +18,9 @@
 // the spot to the ordered heading, and the stop is over when the path there is free at the ordered speed. Echoes are
 // taken to be at the height of the sonar.
 //
+// While no route is found, the time until the mission ends counts anew for each further point that the Executive
+// Officer tries: the levels of command try what they can first, each a bounded number of times (S2-17).
+//
 // Bodies that a tracker knows to move (Sweep) are taken to keep their velocity: echoes in the place that such a body
 // had when they came move with it, so it leaves no trail; its outline counts where it will be. An echo that belongs to
 // no such body stays where it is.
@@ -125,6 +128,7 @@ class SafetyOfficer final : public Agent {
   void on_sweep(const Sweep& sweep);
   void on_chart(const ChartedHazards& chart);
   void on_lost(const AgentLost& lost);
+  void on_point(const PointReport& report);
   void start(const std::shared_ptr<const MissionPlan>& plan);
   void follow(const FollowOrder& order);
   void wait_for_traffic();
@@ -223,6 +227,8 @@ class SafetyOfficer final : public Agent {
   bool surfacing_ = false;  ///< the last order is to surface: a stop becomes surfacing
   std::optional<Refusal> refusal_;
   std::string inside_;
+  bool waits_for_turn_ = false;             ///< before a passage: it needs no route
+  std::optional<std::size_t> tried_point_;  ///< the last to which the Executive Officer set out
 
   std::string lost_agent_;
   std::string leak_;
