@@ -144,8 +144,8 @@ TEST(Mission, TheSummaryNamesEachReplanWithItsReason) {
               AllOf(HasSubstr("Mission finished: 3 of 3 points reached."), HasSubstr("navigator: replan: leg ")));
 }
 
-// A recorded run, heard again by the same agents, decides the same, bit for bit, on any number of threads.
-// ledger: S6-57 S6-D09
+// A recorded run, heard again by the same agents, decides the same, bit for bit, on any number of threads: they plan by
+// what they are told of the world alone. ledger: S2-05 S6-57 S6-D09
 TEST(MissionReplay, ReproducesEveryDecision) {
   const fs::path folder = scratch_folder(), log = folder / "run.mcap";
   const fs::path file = scenario("field_mission_2");

@@ -141,7 +141,7 @@ RC_GTEST_PROP(DepthMapProperty, blocks_are_the_least_and_greatest_of_their_pixel
   }
 }
 
-// ledger: S1-03, S1-31
+// What a planner asks of it changes nothing. ledger: S1-03, S1-31, S2-03
 TEST(DepthMap, a_snapshot_stays_what_it_was) {
   DepthMap map = fresh(small());
   const Pixel p = map.grid().at({3, 4});

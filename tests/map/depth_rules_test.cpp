@@ -87,7 +87,7 @@ TEST(DepthRules, one_reading_moves_the_confidence_by_the_step_of_its_sensor) {
   EXPECT_EQ(pixel.confidence(), 9);
 }
 
-// ledger: S1-45, S1-49
+// ledger: S1-45, S1-49, S2-36
 RC_GTEST_PROP(DepthRulesProperty, depth_changes_only_by_conflict_and_confidence_keeps_its_range, ()) {
   const DepthRules rules;
   DepthPixel pixel = charted(*rc::gen::inRange(0, 30), rules.base_prior);

@@ -167,7 +167,7 @@ void check(const PmrQuadtree& tree, const Plain& plain, const Vector2d& p) {
   RC_ASSERT(tree.in_window(window) == inside);
 }
 
-// ledger: S1-22 S1-23 S1-25
+// ledger: S1-22 S1-23 S1-25 S2-33
 RC_GTEST_PROP(PmrQuadtreeProperty, FindsWhatAListFindsAfterAnyInsertions, ()) {
   Random random(*rc::gen::arbitrary<std::uint64_t>());
   const int threshold = *rc::gen::element(1, 2, 4, 8);

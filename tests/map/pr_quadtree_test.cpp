@@ -53,7 +53,7 @@ TEST(PrQuadtree, EditsThatCannotBeDoneSayWhy) {
   EXPECT_THAT(tree.in_window({Vector2d(5, 5), Vector2d(5, 5)}), testing::IsEmpty());
 }
 
-// ledger: S1-20 S1-21 S1-25
+// ledger: S1-20 S1-21 S1-25 S2-33
 RC_GTEST_PROP(PrQuadtreeProperty, FindsWhatAListFindsAfterAnyInsertions, ()) {
   Random random(*rc::gen::arbitrary<std::uint64_t>());
   const bool on_grid = *rc::gen::arbitrary<bool>();  // many coincide, many lie on the edges of blocks

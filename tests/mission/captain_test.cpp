@@ -43,7 +43,7 @@ TEST_F(CaptainTest, StartsASoundMissionAndRefusesAnother) {
   EXPECT_EQ(only<Decision>(again).at(0).reason, "a mission is under way");
 }
 
-// ledger: S6-34 S6-39
+// ledger: S2-13 S6-34 S6-39
 TEST_F(CaptainTest, RefusesAMissionThatIsNotSoundAndSaysWhy) {
   plan.fence = {{-10, -10}, {110, -10}, {110, 50}, {-10, 50}};
   const auto said = command(OperatorCommand::Kind::kStart);

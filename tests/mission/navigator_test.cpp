@@ -511,6 +511,22 @@ TEST_F(NavigatorTest, HasTheShareOfItsBudgetThatAnOverloadedComputerLeavesIt) {
   EXPECT_EQ(only<RoutePlanned>(scan({wall})).size(), 1u);
 }
 
+// A computer that leaves the planner no time takes no plan away that is still good. ledger: S2-42
+TEST_F(NavigatorTest, KeepsItsRouteWhileTheBudgetIsTooSmallForAnother) {
+  sail_from(0, 0);
+  scan({});
+  ask(point(100, 0));
+  script->hear(planner_report(at(now), 1e-4), now);
+  const std::size_t plans = only<RoutePlanned>(script->said).size();
+  for (int i = 0; i < 20; ++i) {
+    const auto said = scan({{{40, 9.0 + i}, {44, 9.0 + i}, {44, 30}, {40, 30}}});
+    EXPECT_TRUE(only<RouteRefused>(said).empty()) << i;
+    script->tick(now);
+  }
+  EXPECT_EQ(only<RoutePlanned>(script->said).size(), plans);
+  EXPECT_TRUE(only<RouteRefused>(script->said).empty());
+}
+
 TEST(PlannerBudget, IsReadFromWhatTheHostReports) {
   for (const double share : {0.0, 0.001, 0.5, 1.0, 2.5}) {
     const Health report = planner_report(at(3), share);

@@ -128,7 +128,7 @@ TEST(RoutePlanner, RoundAnObstacleAtTheWishedClearance) {
 
 // 1000 random maps: what comes out keeps the clearance everywhere, by samples every 10 cm; smoothing never makes a way
 // dearer; the same request gives the same way.
-// ledger: S6-48 S6-52
+// ledger: S2-44 S6-48 S6-52
 TEST(RoutePlanner, KeepsTheClearanceOnRandomMaps) {
   ISOBATH_NOT_SANITIZED();
   Random random(1);
