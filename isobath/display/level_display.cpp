@@ -48,6 +48,13 @@ struct CommandText {
 std::string command_text(const Message& message) { return std::visit(CommandText{}, message); }
 
 void LevelDisplay::on_message(const Envelope& envelope) {
+  if (const auto* plan = std::get_if<LevelPlan>(&envelope.message)) {
+    horizon_s_[static_cast<std::size_t>(plan->level)] = plan->horizon_s;
+  }
+  if (const auto* step = std::get_if<PlanStep>(&envelope.message)) {
+    step_ = text_of_step(*step);
+    show(envelope.time, false);
+  }
   if (!envelope.link) return;
   put(envelope.link->level,
       {envelope.number, envelope.link->parent, envelope.time, envelope.sender, command_text(envelope.message)});
@@ -62,7 +69,10 @@ void LevelDisplay::put(CommandLevel level, Command command) {
   const Time time = command.since;
   if (now.text == command.text && now.by == command.by) command.since = now.since;
   now = std::move(command);
-  const bool often = level >= CommandLevel::kPrimitive;
+  show(time, level >= CommandLevel::kPrimitive);
+}
+
+void LevelDisplay::show(Time time, bool often) {
   if (often && shown_ && time >= *shown_ && time - *shown_ < kOften) return;
   if (!shown_ || time > *shown_) shown_ = time;
   ordered_json all = ordered_json::array();
@@ -74,7 +84,9 @@ void LevelDisplay::put(CommandLevel level, Command command) {
                    {"by", one.by},
                    {"since_ns", one.since.time_since_epoch().count()},
                    {"number", one.number},
-                   {"parent", one.parent}});
+                   {"parent", one.parent},
+                   {"horizon_s", horizon_s_[i]}});
+    if (i == static_cast<std::size_t>(CommandLevel::kVehicle)) all.back()["plan"] = step_;
   }
   items_.set(DisplayKind::kLevels, 0, *shown_, all.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }

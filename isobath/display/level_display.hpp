@@ -1,5 +1,6 @@
 // LevelDisplay: the command in force at each level, for the page: from the mission down to the actuators, who gave it,
-// since when, and which command above it serves (ledger S2-52). The levels of the mission, the group, the vehicle and
+// since when, which command above it serves, how far ahead the level plans, and where the vehicle is in its plan graph
+// (ledger S2-52). The levels of the mission, the group, the vehicle and
 // the moves are shown when they change, those below at most once a second.
 #pragma once
 
@@ -26,10 +27,13 @@ class LevelDisplay {
     Time since;
     std::string by, text;
   };
+  void show(Time time, bool often);
   void put(CommandLevel level, Command command);
 
   DisplayState& items_;
   std::array<Command, kCommandLevels> levels_{};
+  std::array<double, kCommandLevels> horizon_s_{};
+  std::string step_;  ///< of the plan graph
   std::optional<Time> shown_;
 };
 

@@ -89,6 +89,11 @@ Content content_of(const ChartedHazards& m) {
   return content;
 }
 Content content_of(const GroupHazards& m) { return {{"hazards", m.hazards.size()}}; }
+Content content_of(const PlanStep& m) {
+  Content content{{"node", m.node}, {"text", text_of_step(m)}};
+  if (m.other_graph) content["graph"] = Content::parse(write_plan_graph(*m.graph));
+  return content;
+}
 Content content_of(const PassageWait& m) { return {{"waits", m.waits}, {"why", m.why}}; }
 Content content_of(const GroupObstacles& m) {
   Content all = Content::array();

@@ -684,7 +684,14 @@ TEST(Display, ShowsTheCommandInForceAtEachLevel) {
   EXPECT_EQ(levels()[1]["level"], "primitive");
   EXPECT_EQ(levels()[1]["command"], "heading 5 deg, depth 12.0 m, 1.50 m/s");
   EXPECT_EQ(levels()[1]["since_ns"], 1'500'000'000) << "the same command since then";
+  auto graph = std::make_shared<PlanGraph>(PlanGraph{"plan"});
+  graph->join(graph->add("point 1", {"go to"}), PlanEvent::timeout(60), graph->add("end", {"finish"}));
+  display.on_message({++number, Time(seconds(2.2)), "executive officer", PlanStep{graph, 0, true}, {}});
+  display.on_message(
+      {++number, Time(seconds(2.2)), "executive officer", LevelPlan{CommandLevel::kVehicle, 240, true}, {}});
+  EXPECT_EQ(levels()[0]["plan"], "\"point 1\" (node 1 of 2); next \"end\" on timeout 60 s");
   display.on_servo(Time(seconds(4.0)), 3, "propeller 6.9 N");
+  EXPECT_EQ(levels()[0]["horizon_s"], 240);
   EXPECT_EQ(levels()[2]["by"], "helm gate");
   EXPECT_EQ(levels()[2]["parent"], 3);
   say(4.1, "captain", MissionOrder{MissionOrder::Kind::kHold, nullptr, MissionEnd::kHold, "the operator asks for it"},

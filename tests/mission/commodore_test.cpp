@@ -469,6 +469,22 @@ TEST_F(PassageTest, GoesThroughAGapInTurn) {
   EXPECT_THAT(decided(boats[1].script->said), testing::Contains("leave passage"));
 }
 
+// The Captain sends a vehicle home that waits before the gap: it goes at once. ledger: S2-17 S2-32
+TEST_F(PassageTest, LetsAVehicleGoThatIsOrderedElsewhere) {
+  Random random(13);
+  send_to(0, 105);  // it stays in the gap
+  sail(40, 0, random);
+  send_to(1, 200);
+  sail(120, 0, random);
+  ASSERT_TRUE(boats[1].waits);
+  boats[1].to = 0;
+  const auto said = boats[1].script->hear(RoutePlanned{9, 9, {{0, 0, 10, 1.5}}, false, ""}, now);
+  sail(0.2, 0, random);
+  EXPECT_FALSE(boats[1].waits);
+  sail(60, 0, random);
+  EXPECT_LT(boats[1].north, 10);
+}
+
 // The gate keeper is lost: the other goes through once it knows that. ledger: S2-17 S2-50
 TEST_F(PassageTest, OutlivesTheVehicleThatGivesTheTurns) {
   Random random(12);

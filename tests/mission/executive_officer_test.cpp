@@ -15,8 +15,8 @@ class ExecutiveOfficerTest : public testing::Test {
     plan.title = "test";
     plan.points = {point(100, 0), point(100, 100), point(0, 100)};
   }
-  std::vector<Message> start(std::map<std::string, PlanGraph> library = {}) {
-    agent = std::make_unique<ExecutiveOfficer>(config, std::move(library));
+  std::vector<Message> start() {
+    agent = std::make_unique<ExecutiveOfficer>(config);
     script = std::make_unique<Script>(*agent);
     script->hear(fix(0, 1, 2), 0);
     MissionOrder order;
@@ -318,39 +318,25 @@ TEST_F(ExecutiveOfficerTest, EndsTheMissionOnOrderAndOnTheLossOfTheCaptain) {
   EXPECT_EQ(report().phase, MissionPhase::kAborted);
 }
 
-// ledger: S2-09
-TEST_F(ExecutiveOfficerTest, AStoredPlanIsCarriedOutLikeOneThatIsWorkedOut) {
+// Page and recording are told of each node, and of each other graph once. ledger: S2-24 S2-52
+TEST_F(ExecutiveOfficerTest, TellsWhereItIsInItsPlanGraph) {
   plan.points[1].hold_s = 3;
-  plan.points[2].task = "survey";
-  plan.at_end = MissionEnd::kReturn;
-  const PlanGraph worked_out = mission_graph(plan, config);
-  check_plan_graph(worked_out);
-  const PlanGraph stored = read_plan_graph(write_plan_graph(worked_out), "stored.json");
-  EXPECT_EQ(stored, worked_out);
-
-  const auto sail = [&] {
-    planned();
-    passed();
-    refused(Reason::kGoalBlocked);
-    planned();
-    passed();
-    script->hear(TaskCall{1, "survey", {}}, now);
-    script->hear(TaskAward{1, ""}, now);
-    planned();
-    passed();
-    std::vector<std::size_t> types;
-    for (const Message& m : script->said) types.push_back(m.index());
-    return types;
-  };
-  start();
-  const auto by_plan = sail();
-  EXPECT_EQ(report().phase, MissionPhase::kFinished);
-  EXPECT_NE(only<Decision>(script->said)[0].reason.find("derived from the mission"), std::string::npos);
-  version = 0;
-  start({{"test", stored}});
-  EXPECT_EQ(sail(), by_plan);
-  EXPECT_EQ(report().phase, MissionPhase::kFinished);
-  EXPECT_NE(only<Decision>(script->said)[0].reason.find("from the library"), std::string::npos);
+  const auto first = only<PlanStep>(start());
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_TRUE(first[0].other_graph);
+  EXPECT_EQ(*first[0].graph, mission_graph(plan, config));
+  EXPECT_EQ(first[0].graph->nodes[first[0].node].name, "point 1");
+  EXPECT_EQ(read_plan_graph(write_plan_graph(*first[0].graph), "told.json"), *first[0].graph);
+  planned();
+  EXPECT_TRUE(only<PlanStep>(script->tick(now += 0.1)).empty());
+  const auto second = only<PlanStep>(passed());
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_FALSE(second[0].other_graph);
+  EXPECT_EQ(second[0].graph, first[0].graph);
+  EXPECT_EQ(
+      text_of_step(second[0]),
+      "\"point 2\" (node 3 of 9); next \"point 2, drop\" on waited (1) above 60, \"point 2, hold\" on point reached "
+      "(1), \"point 3\" on point dropped (1)");
 }
 
 // In a group the Commodore orders the points. Before its first order the vehicle waits, and after one that is not the

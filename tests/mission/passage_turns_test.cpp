@@ -62,6 +62,20 @@ TEST_F(PassageTurnsTest, AsksForNothingWhereItsWayLeadsElsewhere) {
   EXPECT_EQ(turns.ask()->number, 2) << "a turn for the ask before is not one for this";
 }
 
+// A vehicle that waits may get another order, such as to go home. ledger: S2-17 S2-32
+TEST_F(PassageTurnsTest, WaitsNoLongerWhereItsWayWouldLeadElsewhere) {
+  turns.set_way({{200, 0}}, at(0));
+  go(80, 1);
+  go(80, 2);
+  ASSERT_TRUE(turns.waits());
+  turns.set_way({}, at(2));
+  turns.offer_way(std::vector<Vector2d>{{150, 0}});
+  EXPECT_TRUE(turns.waits());
+  turns.offer_way(std::vector<Vector2d>{{0, 0}});
+  EXPECT_FALSE(turns.waits());
+  EXPECT_FALSE(turns.ask());
+}
+
 // Without a way nobody holds a passage that others could use. ledger: S2-17
 TEST_F(PassageTurnsTest, GivesBackATurnThatItCannotUse) {
   turns.set_way({{200, 0}}, at(0));

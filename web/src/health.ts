@@ -67,7 +67,7 @@ export class HealthView implements View {
           { 'data-level': level.level },
           make('strong', {}, level.level),
           ` ${level.command} `,
-          make('small', {}, note),
+          make('small', {}, level.plan ? `${note}; at ${level.plan}` : note),
         );
       }),
     );

@@ -13,9 +13,23 @@ const helm = {
 describe('levels', () => {
   it('say who commands what, and since when', () => {
     const [level] = readLevels([helm])!;
-    expect(level).toEqual({ level: 'primitive', command: helm.command, by: 'pilot', since: 2.5, serves: true });
+    expect(level).toEqual({
+      level: 'primitive',
+      command: helm.command,
+      by: 'pilot',
+      since: 2.5,
+      serves: true,
+      horizon: 0,
+      plan: '',
+    });
     expect(levelNote(level!, '3 s')).toBe('pilot, for 3 s');
     expect(levelNote(readLevels([{ ...helm, parent: 0 }])![0]!, '')).toBe('pilot, a reflex or a stop');
+  });
+
+  it('say how far ahead they plan, and where in a plan graph the vehicle is', () => {
+    const [level] = readLevels([{ ...helm, level: 'vehicle', horizon_s: 299.6, plan: '"point 1" (node 1 of 9)' }])!;
+    expect(levelNote(level!, '3 s')).toBe('pilot, for 3 s; plans 300 s ahead');
+    expect(level!.plan).toBe('"point 1" (node 1 of 9)');
   });
 
   it('are left out where they are no levels', () => {

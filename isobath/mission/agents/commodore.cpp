@@ -104,6 +104,7 @@ void Commodore::begin(const MissionOrder& order, Time now, Outbox& out) {
       members_.size() > 1 ? std::span<const GroupPassage>(plan_->passages) : std::span<const GroupPassage>(),
       config_.passage_wait_s);
   turns_.clear();
+  told_wait_ = false;
   without_way_.clear();
   given_up_ = 0;
   points_without_way_ = lanes_without_way_ = 0;

@@ -2,9 +2,9 @@
 // an acoustic link that loses and delays packets (Herman 1988, 2, 3.1; ledger S2-02, S2-10, S2-17, S2-25, S2-50,
 // S2-51).
 //
-// Receives MissionOrder, PointReport, MissionReport, Navigation, ObstacleScan, FollowOrder, WaypointPassed and
-// LinkFrame (from the group). Sends VisitOrder, PassageWait, GroupHazards, GroupObstacles, LinkFrame (to the group),
-// LevelPlan and Decision. Does nothing in a mission without a search area or without a group.
+// Receives MissionOrder, PointReport, MissionReport, Navigation, ObstacleScan, RoutePlanned, FollowOrder,
+// WaypointPassed and LinkFrame (from the group). Sends VisitOrder, PassageWait, GroupHazards, GroupObstacles, LinkFrame
+// (to the group), LevelPlan and Decision. Does nothing in a mission without a search area or without a group.
 //
 // Every vehicle has a Commodore; that of the first vehicle in the list that is heard and can sail leads. It divides the
 // lanes (lane_sharing.hpp), numbers the plan, and sends it. The others follow the plan of the first vehicle that they
@@ -112,6 +112,7 @@ class Commodore final : public Agent {
   [[nodiscard]] std::size_t gate_keeper() const;
   void give_turns(Time now, Outbox& out);
   void take_turn(Time now, Outbox& out);
+  void end_wait(const std::string& why, Outbox& out);
   void hear_turns(const GroupStatus& status, Time now, Outbox& out);
   [[nodiscard]] bool sails(std::size_t vehicle) const;
   /// The first vehicle that is heard and can sail.
@@ -154,6 +155,7 @@ class Commodore final : public Agent {
   std::vector<Hazard> hazards_;                  ///< as last told
   std::map<std::uint32_t, Sighting> sightings_;  ///< by the id of the remembered obstacle
   PassageTurns passages_{{}, 0};
+  bool told_wait_ = false;                              ///< the vehicle waits before a passage
   std::map<std::size_t, PassageTurn> turns_;            ///< by passage, as gate keeper
   Time asked_;                                          ///< its own present ask
   std::uint32_t follow_version_ = 0;                    ///< of the way that is ahead

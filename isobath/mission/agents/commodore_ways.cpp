@@ -14,12 +14,16 @@ constexpr double kAskAhead_turns = 4;  // of the link, before a passage: the ask
 
 }  // namespace
 
-/// The way that is ahead.
+/// The way that is ahead, or would be.
 void Commodore::note_way(const Message& message, Time now) {
+  const auto places_of = [](const std::vector<Waypoint>& waypoints) {
+    std::vector<Vector2d> places_W;
+    for (const Waypoint& w : waypoints) places_W.emplace_back(w.north, w.east);
+    return places_W;
+  };
+  if (const auto* route = std::get_if<RoutePlanned>(&message)) passages_.offer_way(places_of(route->waypoints));
   if (const auto* follow = std::get_if<FollowOrder>(&message)) {
-    std::vector<Vector2d> way_W;
-    for (const Waypoint& w : follow->waypoints) way_W.emplace_back(w.north, w.east);
-    passages_.set_way(std::move(way_W), now);
+    passages_.set_way(places_of(follow->waypoints), now);
     follow_version_ = follow->version;
     passed_ = 0;
   }
@@ -37,7 +41,6 @@ const std::optional<PassageAsk>& Commodore::ask_of(std::size_t vehicle) const {
 void Commodore::pass(Time now, Outbox& out) {
   if (members_.size() < 2 || plan_->passages.empty()) return;
   const auto before = passages_.ask();
-  const bool waited = passages_.waits();
   passages_.move(here_W_, plan_->speed * kAskAhead_turns * turn_s() + PassageTurns::kWait_m, now);
   const auto& ask = passages_.ask();
   if (ask && (!before || before->number != ask->number)) asked_ = now;
@@ -48,12 +51,13 @@ void Commodore::pass(Time now, Outbox& out) {
            fmt::format("no turn in {} within {:.0f} s: it counts as blocked", name_of(*before), config_.passage_wait_s),
            out);
   }
-  if (!waited && passages_.waits()) {
+  if (!told_wait_ && passages_.waits()) {
+    told_wait_ = true;
     std::string why = "it is not this vehicle's turn in " + name_of(*ask) + " yet";
     decide(now, "wait for passage", why, out);
     out.say(PassageWait{true, std::move(why)});
   }
-  if (waited && !passages_.waits()) out.say(PassageWait{false, "the wait is over"});
+  end_wait("its way leads elsewhere", out);
   give_turns(now, out);
 }
 
@@ -91,11 +95,16 @@ void Commodore::give_turns(Time now, Outbox& out) {
 
 void Commodore::take_turn(Time now, Outbox& out) {
   if (!passages_.ask() || passages_.ask()->passing) return;
-  const bool waited = passages_.waits();
   passages_.take_turn(now);
   std::string why = "it is this vehicle's turn in " + plan_->passages[passages_.ask()->passage].name;
   decide(now, "take passage", why, out);
-  if (waited) out.say(PassageWait{false, std::move(why)});
+  end_wait(why, out);
+}
+
+void Commodore::end_wait(const std::string& why, Outbox& out) {
+  if (!told_wait_ || passages_.waits()) return;
+  told_wait_ = false;
+  out.say(PassageWait{false, why});
 }
 
 void Commodore::hear_turns(const GroupStatus& status, Time now, Outbox& out) {

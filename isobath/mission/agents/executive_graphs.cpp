@@ -62,8 +62,11 @@ std::vector<NodeExit> add_steps(PlanGraph& graph, const MissionPlan& plan, std::
     const TaskStep& step = plan.steps[k];
     const auto lead = [&](PlanEvent event, const std::string& name) {
       const auto next = step_after(plan.steps, k, name);
-      if (next) graph.join(nodes[k], std::move(event), nodes[*next]);
-      if (!next) exits.push_back({nodes[k], std::move(event)});
+      if (next) {
+        graph.join(nodes[k], std::move(event), nodes[*next]);
+      } else {
+        exits.push_back({nodes[k], std::move(event)});
+      }
     };
     if (auto event = end_of(step, point)) lead(*std::move(event), step.then);
     lead(PlanEvent::timeout(step.at_most_s > 0 ? step.at_most_s : config.task_wait_s), step.or_else);

@@ -37,14 +37,6 @@ std::vector<Field> fields(ExecutiveConfig& c) {
   };
 }
 
-ExecutiveOfficer::ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library,
-                                   const TimingTable& timing)
-    : config_(config),
-      library_(std::move(library)),
-      plans_(CommandLevel::kVehicle, timing.of(CommandLevel::kVehicle).replan_s) {
-  for (const auto& [title, graph] : library_) check_plan_graph(graph);
-}
-
 void ExecutiveOfficer::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
   if (const auto* fix = std::get_if<Navigation>(&message)) here_ = *fix;
@@ -114,8 +106,9 @@ void ExecutiveOfficer::plan_again(Outbox& out) {
   if (!plan_ || !executor_ || !busy()) return plans_.note(now_, 0, false, out);
   const std::vector<std::size_t> left = points_left();
   const bool last = !is_shared() || visits_ordered_.last;
-  if (!from_library_ && !left.empty() && !executor_->finished()) {
+  if (!left.empty() && !executor_->finished()) {
     const PlanAction* other = executor_->update(visit_graph(*plan_, left, last, config_), now_);
+    other_graph_ = true;
     if (other && !paused_) act(*other, out);
   }
   plans_.note(now_, time_for(left), false, out);
@@ -164,15 +157,12 @@ void ExecutiveOfficer::start(const MissionOrder& order, Outbox& out) {
   paused_ = false;
   errand_ = Errand::kNone;
   if (here_) home_ = here_->X_WB.translation.head<2>();
-  const auto stored = library_.find(plan_->title);
-  from_library_ = stored != library_.end();
   visits_ordered_ = {};
-  executor_.emplace(from_library_ ? stored->second
-                    : is_shared() ? visit_graph(*plan_, {}, false, config_)
-                                  : mission_graph(*plan_, config_));
+  executor_.emplace(is_shared() ? visit_graph(*plan_, {}, false, config_) : mission_graph(*plan_, config_));
+  other_graph_ = true;
   decide("start",
-         fmt::format("{}, {} points, by a plan graph {}", plan_->title.empty() ? "mission" : plan_->title,
-                     points_.size(), from_library_ ? "from the library" : "derived from the mission"),
+         fmt::format("{}, {} points, by a plan graph of {} nodes", plan_->title.empty() ? "mission" : plan_->title,
+                     points_.size(), executor_->graph().nodes.size()),
          out);
   report(MissionPhase::kUnderWay, order.why, out);
   act(executor_->start(now_), out);
@@ -185,6 +175,7 @@ void ExecutiveOfficer::end(MissionEnd how, const std::string& why, Outbox& out) 
   look({}, out);
   move_until_.reset();
   executor_.emplace(end_graph(how, points_.size(), config_));
+  other_graph_ = true;
   report(MissionPhase::kAborted, why, out);
   act(executor_->start(now_), out);
 }
@@ -210,7 +201,7 @@ void ExecutiveOfficer::visit(const VisitOrder& order, Outbox& out) {
   }
   PlanGraph graph = visit_graph(*plan_, order.points, order.last, config_);
   decide("visit", order.why, out);
-  from_library_ = false;
+  other_graph_ = true;
   plans_.note(now_, time_for(order.points), true, out);
   // To go on with a point that is not the first would skip those before it.
   const bool turns = on_the_way && !order.points.empty() && order.points.front() != point_;
@@ -289,9 +280,20 @@ void ExecutiveOfficer::cycle(Outbox& out) {
   if (!executor_ || paused_) return;
   for (int step = 0; step < kMaxCycles; ++step) {
     const PlanAction* action = executor_->cycle(now_, *this);
-    if (action == nullptr) return;
+    if (action == nullptr) break;
     act(*action, out);
   }
+  tell_step(out);
+}
+
+/// Once a node is reached, or the graph is another one.
+void ExecutiveOfficer::tell_step(Outbox& out) {
+  if (!executor_->started()) return;
+  const bool other = std::exchange(other_graph_, false) && (!told_graph_ || *told_graph_ != executor_->graph());
+  if (!other && executor_->node() == told_node_) return;
+  if (other) told_graph_ = std::make_shared<const PlanGraph>(executor_->graph());
+  told_node_ = executor_->node();
+  out.say(PlanStep{told_graph_, told_node_, other});
 }
 
 void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {

@@ -3,11 +3,10 @@
 //
 // Receives MissionOrder, VisitOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskCall, TaskAward,
 // TaskPlan, Navigation, Health, ObstacleScan, PassageWait and AgentLost. Sends RouteRequest, FollowOrder, PointReport,
-// MissionReport, SonarOrder, LevelPlan, Decision.
+// MissionReport, SonarOrder, LevelPlan, PlanStep, Decision.
 //
 // The mission is a plan graph: one node per point, and nodes for the work there and for the end. The graph is derived
-// from the MissionPlan, or taken by its title from the library that the constructor receives (S2-09). The events of the
-// graph are
+// from the MissionPlan (executive_graphs.cpp). The events of the graph are
 //   point reached (i), point dropped (i), task done (i), returned     facts
 //   waited (i)      total time without a route to point i, s; i = number of points: without a route back
 //   depth, sigma    m; sigma: of the horizontal position
@@ -62,8 +61,8 @@ PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& c
 
 class ExecutiveOfficer final : public Agent, private PlanDatabase {
  public:
-  explicit ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library = {},
-                            const TimingTable& timing = {});
+  explicit ExecutiveOfficer(const ExecutiveConfig& config, const TimingTable& timing = {})
+      : config_(config), plans_(CommandLevel::kVehicle, timing.of(CommandLevel::kVehicle).replan_s) {}
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -84,6 +83,7 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   void on(const TaskPlan& plan, Outbox& out);
 
   void plan_again(Outbox& out);
+  void tell_step(Outbox& out);
   [[nodiscard]] std::vector<std::size_t> points_left() const;
   [[nodiscard]] double time_for(const std::vector<std::size_t>& points) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> next_W() const;
@@ -111,14 +111,15 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   [[nodiscard]] bool busy() const { return phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding; }
 
   ExecutiveConfig config_;
-  std::map<std::string, PlanGraph> library_;
   std::shared_ptr<const MissionPlan> plan_;
   std::vector<MissionPoint> points_;  ///< of the plan, with their positions now
   std::optional<PlanExecutor> executor_;
   std::map<std::pair<std::string, int>, double> facts_;
   VisitOrder visits_ordered_;  ///< in a group: the newest
   PlanClock plans_;
-  bool from_library_ = false;  ///< the graph, which is then never derived anew
+  std::shared_ptr<const PlanGraph> told_graph_;
+  std::size_t told_node_ = 0;
+  bool other_graph_ = false;  ///< than told_graph_
   MissionPhase phase_ = MissionPhase::kWaiting;
   std::size_t reached_ = 0, dropped_ = 0;
   bool paused_ = false;  ///< by the operator

@@ -21,16 +21,20 @@ void PassageTurns::set_way(std::vector<Vector2d> way_W, Time now) {
   }
 }
 
+void PassageTurns::offer_way(std::span<const Vector2d> way_W) {
+  if (held_ && !way_W.empty() && !along_m(way_W, ask_->passage)) end();
+}
+
 void PassageTurns::pass(std::size_t waypoints) {
   way_W_.erase(way_W_.begin(), way_W_.begin() + static_cast<std::ptrdiff_t>(std::min(waypoints, way_W_.size())));
 }
 
 double PassageTurns::distance_m(std::size_t passage) const { return distance_from(passages_[passage], here_W_); }
 
-std::optional<double> PassageTurns::along_m(std::size_t passage) const {
+std::optional<double> PassageTurns::along_m(std::span<const Vector2d> way_W, std::size_t passage) const {
   double along_m = 0;
   Vector2d from = here_W_;
-  for (const Vector2d& to : way_W_) {
+  for (const Vector2d& to : way_W) {
     const double leg_m = (to - from).norm();
     if (contains(passages_[passage], from)) return along_m;
     const auto hit_m = leg_m > 0 ? ray_hit(passages_[passage], from, (to - from) / leg_m) : std::nullopt;
@@ -46,7 +50,7 @@ void PassageTurns::move(const Vector2d& here_W, double ahead_m, Time now) {
   if (ask_) return go_on(now);
   std::optional<std::pair<double, std::size_t>> next;
   for (std::size_t k = 0; k < passages_.size(); ++k) {
-    const auto at_m = blocked_[k] == 0 ? along_m(k) : std::nullopt;
+    const auto at_m = blocked_[k] == 0 ? along_m(way_W_, k) : std::nullopt;
     if (at_m && *at_m <= ahead_m && (!next || *at_m < next->first)) next = {*at_m, k};
   }
   if (!next) return;
@@ -66,7 +70,7 @@ void PassageTurns::go_on(Time now) {
     return end();
   }
   if (inside) return;
-  const bool leads_elsewhere = knows_way_ && !way_W_.empty() && !along_m(k);
+  const bool leads_elsewhere = knows_way_ && !way_W_.empty() && !along_m(way_W_, k);
   const bool idle =
       idle_since_ && distance_m(k) > kWait_m && to_seconds(now - std::max(since_, *idle_since_)) > kIdle_s;
   if (leads_elsewhere || idle) end();

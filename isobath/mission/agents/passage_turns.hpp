@@ -27,6 +27,8 @@ class PassageTurns {
 
   /// The way-points that are ahead; none: the vehicle holds its position.
   void set_way(std::vector<Eigen::Vector2d> way_W, Time now);
+  /// While it waits: this is the way that it would go. The wait is over if it leads elsewhere.
+  void offer_way(std::span<const Eigen::Vector2d> way_W);
   /// The first so many way-points are passed.
   void pass(std::size_t waypoints);
   /// The vehicle is here. `ahead_m`: how long before a passage, along its way, it asks.
@@ -45,7 +47,7 @@ class PassageTurns {
  private:
   [[nodiscard]] double distance_m(std::size_t passage) const;
   /// From here along the way to the passage; empty: it does not lead there.
-  [[nodiscard]] std::optional<double> along_m(std::size_t passage) const;
+  [[nodiscard]] std::optional<double> along_m(std::span<const Eigen::Vector2d> way_W, std::size_t passage) const;
   void go_on(Time now);
 
   std::vector<Polygon> passages_;

@@ -38,8 +38,7 @@ std::vector<AgentSlot> standard_agents(const MissionConfig& c, const VehiclePara
        std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route, c.opening, c.timing));
   slot("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain, c.timing));
   slot("commodore", AgentLevel::kSupervisory, std::make_unique<Commodore>(c.commodore, c.timing));
-  slot("executive officer", AgentLevel::kMission,
-       std::make_unique<ExecutiveOfficer>(c.executive, std::map<std::string, PlanGraph>{}, c.timing));
+  slot("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive, c.timing));
   slot("goal selector", AgentLevel::kMission, std::make_unique<GoalSelector>(c.goal_selector, vehicle));
   slot("pilot", AgentLevel::kVehicle,
        std::make_unique<Pilot>(c.pilot, c.guidance, c.station, c.depth_keeping, vehicle, c.timing));

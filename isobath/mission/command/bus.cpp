@@ -43,6 +43,7 @@ constexpr const char* name(const WorldSnapshot*) { return "world"; }
 constexpr const char* name(const LinkFrame*) { return "link frame"; }
 constexpr const char* name(const LevelPlan*) { return "level plan"; }
 constexpr const char* name(const SonarOrder*) { return "sonar order"; }
+constexpr const char* name(const PlanStep*) { return "plan step"; }
 constexpr const char* name(const PassageWait*) { return "passage wait"; }
 
 template <std::size_t... I>

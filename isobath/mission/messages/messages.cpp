@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <isobath/mission/messages/messages.hpp>
 
 namespace isobath {
@@ -57,6 +58,19 @@ std::optional<ScanCommand> scan_of(const TaskStep& step) {
   scan.middle = step.look;
   if (step.sonar_range_m > 0) scan.range_m = step.sonar_range_m;
   return scan;
+}
+
+std::string text_of_step(const PlanStep& step) {
+  constexpr std::size_t kMostNext = 4;
+  const PlanGraph& graph = *step.graph;
+  std::string text =
+      fmt::format("\"{}\" (node {} of {})", graph.nodes[step.node].name, step.node + 1, graph.nodes.size());
+  std::size_t next = 0;
+  for (const PlanArc& arc : graph.arcs) {
+    if (arc.from != step.node || ++next > kMostNext) continue;
+    text += fmt::format("{} \"{}\" on {}", next == 1 ? "; next" : ",", graph.nodes[arc.to].name, to_text(arc.event));
+  }
+  return text;
 }
 
 }  // namespace isobath

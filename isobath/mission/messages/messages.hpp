@@ -257,6 +257,16 @@ struct LevelPlan {
   bool changed = false;  ///< it differs from the plan before
 };
 
+/// Executive Officer -> recording and page: where the vehicle is in its plan graph. Sent at each node that it reaches,
+/// and with each other graph.
+struct PlanStep {
+  std::shared_ptr<const PlanGraph> graph;  ///< never null; the same object while the graph is the same
+  std::size_t node = 0;
+  bool other_graph = false;  ///< than that of the message before
+};
+/// Where it is and what may follow: "point 1, circle" (node 4 of 9); next "point 2" on task done (0).
+std::string text_of_step(const PlanStep& step);
+
 // Safety Officer -----------------------------------------------------------------------------------------------------
 
 enum class SafetyActionKind : std::uint8_t { kNone, kSlow, kStop, kTurn, kSurface };
@@ -364,6 +374,6 @@ using Message =
                  GroupHazards, GroupObstacles, OperatorCommand, MissionOrder, VisitOrder, PointMoved, RouteRequest,
                  RoutePlanned, RouteRefused, PointReport, MissionReport, FollowOrder, StillHazards, MotionOrder,
                  WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid,
-                 TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame, LevelPlan, SonarOrder, PassageWait>;
+                 TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame, LevelPlan, SonarOrder, PassageWait, PlanStep>;
 
 }  // namespace isobath
