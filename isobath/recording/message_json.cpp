@@ -91,7 +91,7 @@ Content content_of(const ChartedHazards& m) {
 Content content_of(const GroupHazards& m) { return {{"hazards", m.hazards.size()}}; }
 Content content_of(const PlanStep& m) {
   Content content{{"node", m.node}, {"text", text_of_step(m)}};
-  if (m.other_graph) content["graph"] = Content::parse(write_plan_graph(*m.graph));
+  if (m.other_graph && m.graph) content["graph"] = Content::parse(write_plan_graph(*m.graph));
   return content;
 }
 Content content_of(const PassageWait& m) { return {{"waits", m.waits}, {"why", m.why}}; }

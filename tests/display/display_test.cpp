@@ -685,7 +685,8 @@ TEST(Display, ShowsTheCommandInForceAtEachLevel) {
   EXPECT_EQ(levels()[1]["command"], "heading 5 deg, depth 12.0 m, 1.50 m/s");
   EXPECT_EQ(levels()[1]["since_ns"], 1'500'000'000) << "the same command since then";
   auto graph = std::make_shared<PlanGraph>(PlanGraph{"plan"});
-  graph->join(graph->add("point 1", {"go to"}), PlanEvent::timeout(60), graph->add("end", {"finish"}));
+  const std::size_t first = graph->add("point 1", {"go to"});
+  graph->join(first, PlanEvent::timeout(60), graph->add("end", {"finish"}));
   display.on_message({++number, Time(seconds(2.2)), "executive officer", PlanStep{graph, 0, true}, {}});
   display.on_message(
       {++number, Time(seconds(2.2)), "executive officer", LevelPlan{CommandLevel::kVehicle, 240, true}, {}});

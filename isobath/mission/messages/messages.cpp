@@ -61,6 +61,7 @@ std::optional<ScanCommand> scan_of(const TaskStep& step) {
 }
 
 std::string text_of_step(const PlanStep& step) {
+  if (!step.graph || step.node >= step.graph->nodes.size()) return {};
   constexpr std::size_t kMostNext = 4;
   const PlanGraph& graph = *step.graph;
   std::string text =
