@@ -245,5 +245,18 @@ TEST_F(CaptainTest, TellsEachHalfHourHowFarItsPlanReaches) {
   EXPECT_EQ(horizon_s[0], 2000) << "two legs of 100 m";
 }
 
+// An order of the Commodore is another plan, told at once. ledger: S2-25 S2-52
+TEST_F(CaptainTest, TellsHowFarItsPlanReachesOnceTheGroupHasOrderedPoints) {
+  plan.speed = 1;
+  plan.search.length_m = 100;
+  script.hear(fix(0, 0, 0), 0);
+  start();
+  script.hear(MissionReport{MissionPhase::kUnderWay, 0, 0, ""}, 0.1);
+  EXPECT_EQ(only<LevelPlan>(script.said).back().horizon_s, 0);
+  script.hear(VisitOrder{1, {0, 1}, false, "the first plan"}, 0.2);
+  EXPECT_TRUE(only<LevelPlan>(script.said).back().changed);
+  EXPECT_EQ(only<LevelPlan>(script.said).back().horizon_s, 200);
+}
+
 }  // namespace
 }  // namespace isobath

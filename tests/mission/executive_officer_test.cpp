@@ -318,6 +318,17 @@ TEST_F(ExecutiveOfficerTest, EndsTheMissionOnOrderAndOnTheLossOfTheCaptain) {
   EXPECT_EQ(report().phase, MissionPhase::kAborted);
 }
 
+// Names of points may be those of nodes, and the same twice. ledger: S2-06
+TEST_F(ExecutiveOfficerTest, NamesNodesByPointsWhateverTheseAreCalled) {
+  plan.points[0].name = "end";
+  plan.points[1].name = "end";
+  plan.points[2].name = "point 1";
+  plan.points[1].hold_s = 5;
+  const PlanGraph graph = mission_graph(plan, config);
+  check_plan_graph(graph);
+  EXPECT_EQ(graph.nodes[0].name, "end (point 1)");
+}
+
 // Page and recording are told of each node, and of each other graph once. ledger: S2-24 S2-52
 TEST_F(ExecutiveOfficerTest, TellsWhereItIsInItsPlanGraph) {
   plan.points[1].hold_s = 3;
@@ -333,10 +344,9 @@ TEST_F(ExecutiveOfficerTest, TellsWhereItIsInItsPlanGraph) {
   ASSERT_EQ(second.size(), 1u);
   EXPECT_FALSE(second[0].other_graph);
   EXPECT_EQ(second[0].graph, first[0].graph);
-  EXPECT_EQ(
-      text_of_step(second[0]),
-      "\"point 2\" (node 3 of 9); next \"point 2, drop\" on waited (1) above 60, \"point 2, hold\" on point reached "
-      "(1), \"point 3\" on point dropped (1)");
+  EXPECT_EQ(text_of_step(second[0]),
+            "\"point 2\" (node 3 of 9); next \"point 2, drop\" on waited above 60, \"point 2, hold\" on point reached, "
+            "\"point 3\" on point dropped");
 }
 
 // In a group the Commodore orders the points. Before its first order the vehicle waits, and after one that is not the

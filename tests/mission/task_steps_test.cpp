@@ -96,17 +96,17 @@ std::vector<std::string> after(const PlanGraph& graph, const std::string& name) 
 TEST(TaskSteps, AreNodesOfThePlanGraph) {
   const PlanGraph graph = mission_graph(parse_mission(kMission, "m.toml"), {});
   check_plan_graph(graph);
-  EXPECT_THAT(after(graph, "point 1"), testing::Contains("point 1, look round by point reached (0)"));
-  EXPECT_THAT(after(graph, "point 1, look round"),
-              ElementsAre("point 1, up by range below 4", "point 1, circle by timeout 40 s"));
-  EXPECT_THAT(after(graph, "point 1, circle"),
-              ElementsAre("point 1, up by task done (0)", "point 1, up by timeout 300 s"));
-  EXPECT_THAT(after(graph, "point 1, up"),
-              ElementsAre("point 1, down by depth below 0.5", "point 1, down by timeout 300 s"));
-  EXPECT_THAT(after(graph, "point 1, down"), ElementsAre("point 2 by task done (0)", "point 2 by timeout 300 s"));
+  EXPECT_THAT(after(graph, "point 1"), testing::Contains("point 1: look round by point reached (0)"));
+  EXPECT_THAT(after(graph, "point 1: look round"),
+              ElementsAre("point 1: up by range below 4", "point 1: circle by timeout 40 s"));
+  EXPECT_THAT(after(graph, "point 1: circle"),
+              ElementsAre("point 1: up by task done (0)", "point 1: up by timeout 300 s"));
+  EXPECT_THAT(after(graph, "point 1: up"),
+              ElementsAre("point 1: down by depth below 0.5", "point 1: down by timeout 300 s"));
+  EXPECT_THAT(after(graph, "point 1: down"), ElementsAre("point 2 by task done (0)", "point 2 by timeout 300 s"));
   const PlanGraph shorter = mission_graph(parse_mission(with("then = \"up\"", "then = \"end\""), "m.toml"), {});
-  EXPECT_THAT(after(shorter, "point 1, look round"),
-              ElementsAre("point 1, circle by timeout 40 s", "point 2 by range below 4"));
+  EXPECT_THAT(after(shorter, "point 1: look round"),
+              ElementsAre("point 1: circle by timeout 40 s", "point 2 by range below 4"));
 }
 
 /// The Executive Officer with the mission above, at its first point.

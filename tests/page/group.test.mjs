@@ -70,6 +70,8 @@ test('each vehicle of a group has a page, which leads to the others and commands
   await alpha.waitForSelector('#health-levels');
   assert.doesNotMatch(await alpha.textContent('#health-levels'), /hold/, 'the other vehicle goes on');
   assert.match(await bravo.textContent('#health-levels'), /hold/);
+  assert.match(await alpha.textContent('[data-level="mission"]'), /plans \d+ s ahead/);
+  assert.match(await alpha.textContent('[data-level="vehicle"]'), /plans \d+ s ahead; at "lane 1, station \d \(point \d+\)" \(node \d+ of \d+\); next /);
   await picture(bravo, 'group-1400');
   await picture(alpha, 'group-alpha-1400');
   assert.deepEqual([...alpha.troubles, ...bravo.troubles], []);

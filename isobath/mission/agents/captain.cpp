@@ -35,7 +35,7 @@ void Captain::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* visits = std::get_if<VisitOrder>(&message)) {
     if (visits->given_up && plan_) return abort(plan_->if_dropped, visits->why, out);
     take_order(*visits);
-    plan(out);
+    plan(true, out);
   }
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
@@ -45,7 +45,7 @@ void Captain::on_message(const Message& message, Time now, Outbox& out) {
 void Captain::tick(Time now, Outbox& out) {
   now_ = now;
   if (bids_until_ && now >= *bids_until_) award(out);
-  if (plans_.is_due(now)) plan(out);
+  if (plans_.is_due(now)) plan(false, out);
   if (!under_way() || aborted_ || !plan_ || plan_->limits.max_duration_s <= 0) return;
   turn_back_in_time(out);
   const double lasted = to_seconds(now - started_);
@@ -64,7 +64,7 @@ double Captain::way_home_s() const {
 }
 
 /// The rest of the mission: how long it takes.
-void Captain::plan(Outbox& out) {
+void Captain::plan(bool changed, Outbox& out) {
   double left_s = 0;
   if (under_way() && plan_) {
     std::optional<Eigen::Vector2d> from;
@@ -74,7 +74,7 @@ void Captain::plan(Outbox& out) {
       left_s += left_.empty() ? way_home_s() : (home_W_ - plan_->points[left_.back()].north_east).norm() / plan_->speed;
     }
   }
-  plans_.note(now_, left_s, false, out);
+  plans_.note(now_, left_s, changed, out);
 }
 
 void Captain::turn_back_in_time(Outbox& out) {
@@ -201,7 +201,7 @@ void Captain::call(const std::string& task, const MissionPoint& at, Outbox& out)
 void Captain::on(const MissionReport& report, Outbox& out) {
   if (report.phase == phase_) return;
   phase_ = report.phase;
-  plan(out);
+  plan(false, out);
   const std::string text = fmt::format("mission {}: {} of {} points reached, {} dropped; {}", to_text(report.phase),
                                        report.reached, plan_ ? plan_->points.size() : 0, report.dropped, report.why);
   tell(text, out);

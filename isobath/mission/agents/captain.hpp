@@ -56,7 +56,8 @@ class Captain final : public Agent {
   void on(const TaskBid& bid);
   void call(const std::string& task, const MissionPoint& at, Outbox& out);
   void award(Outbox& out);
-  void plan(Outbox& out);
+  /// `changed`: by an order of the Commodore.
+  void plan(bool changed, Outbox& out);
   void turn_back_in_time(Outbox& out);
   void take_order(const VisitOrder& order);
   [[nodiscard]] double way_home_s() const;

@@ -29,6 +29,13 @@ std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, s
   return first;
 }
 
+/// A name for the nodes of a point that no other point's nodes have: "the wreck (point 3)".
+std::string node_name(const MissionPlan& plan, std::size_t point) {
+  const std::string number = fmt::format("point {}", point + 1);
+  const std::string& name = plan.points[point].name;
+  return name.empty() || name == number ? number : fmt::format("{} ({})", name, number);
+}
+
 /// A node that leads on when the event is true.
 struct NodeExit {
   std::size_t node;
@@ -53,7 +60,7 @@ std::vector<NodeExit> add_steps(PlanGraph& graph, const MissionPlan& plan, std::
   const std::vector<std::size_t> own = steps_of(plan.steps, plan.points[point].task);
   std::map<std::size_t, std::size_t> nodes;
   for (const std::size_t k : own) {
-    nodes[k] = graph.add(fmt::format("point {}, {}", point + 1, plan.steps[k].name),
+    nodes[k] = graph.add(fmt::format("{}: {}", node_name(plan, point), plan.steps[k].name),
                          {"step", {{"point", static_cast<double>(point)}, {"step", static_cast<double>(k)}}});
   }
   join_all(graph, before, nodes[own.front()]);
@@ -98,7 +105,7 @@ PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> poin
   std::vector<Nodes> at;
   for (const std::size_t i : points) {
     const MissionPoint& p = plan.points[i];
-    const std::string name = fmt::format("point {}", i + 1);
+    const std::string name = node_name(plan, i);
     const std::size_t go = graph.add(name, at_point("go to", i));
     Nodes nodes{
         go, graph.add(name + ", drop", at_point("drop", i)), {{go, PlanEvent::fact("point reached", index(i))}}};

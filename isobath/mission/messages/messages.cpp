@@ -69,7 +69,9 @@ std::string text_of_step(const PlanStep& step) {
   std::size_t next = 0;
   for (const PlanArc& arc : graph.arcs) {
     if (arc.from != step.node || ++next > kMostNext) continue;
-    text += fmt::format("{} \"{}\" on {}", next == 1 ? "; next" : ",", graph.nodes[arc.to].name, to_text(arc.event));
+    PlanEvent event = arc.event;
+    event.of.reset();  // the node says of which point it is
+    text += fmt::format("{} \"{}\" on {}", next == 1 ? "; next" : ",", graph.nodes[arc.to].name, to_text(event));
   }
   return text;
 }
