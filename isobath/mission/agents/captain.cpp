@@ -201,7 +201,7 @@ void Captain::call(const std::string& task, const MissionPoint& at, Outbox& out)
 void Captain::on(const MissionReport& report, Outbox& out) {
   if (report.phase == phase_) return;
   phase_ = report.phase;
-  plan(false, out);
+  plan(true, out);
   const std::string text = fmt::format("mission {}: {} of {} points reached, {} dropped; {}", to_text(report.phase),
                                        report.reached, plan_ ? plan_->points.size() : 0, report.dropped, report.why);
   tell(text, out);
