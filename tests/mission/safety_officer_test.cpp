@@ -390,6 +390,23 @@ TEST(FaultsOfTheWay, AVehicleThatWaitsForItsTurnNeedsNoPath) {
   EXPECT_NEAR(stream.raised(Fault::kNoPath), kBegin + 100, 0.2);
 }
 
+// After a dropped point the Executive Officer may have nowhere else to go. ledger: S2-17
+TEST(FaultsOfTheWay, NoPathIsNoFaultWhereNoRouteIsAskedFor) {
+  SafetyStream stream;
+  RouteRefused refused;
+  refused.reason = RouteRefused::Reason::kNoPath;
+  stream.run_to(kBegin);
+  stream.tell(refused);
+  stream.run_to(kBegin + 10);
+  EXPECT_GE(stream.raised(Fault::kNoPath), kBegin);
+  stream.tell(PointReport{PointReport::Kind::kDropped, 3, "", true});
+  stream.run_to(kBegin + 100);
+  EXPECT_EQ(stream.aborted(Fault::kNoPath), -1);
+  stream.tell(RouteRequest{});
+  stream.run_to(kBegin + 200);
+  EXPECT_NEAR(stream.aborted(Fault::kNoPath), kBegin + 100 + kLimits.blocked_abort_s, 0.3);
+}
+
 // The levels of command try other points first; a point that is tried again is no other one. ledger: S2-17
 TEST(FaultsOfTheWay, NoPathCountsAnewForEachPointThatIsTried) {
   SafetyStream stream;

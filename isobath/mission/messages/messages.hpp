@@ -264,7 +264,7 @@ struct PlanStep {
   std::size_t node = 0;
   bool other_graph = false;  ///< than that of the message before
 };
-/// Where it is and what may follow: "point 1, circle" (node 4 of 9); next "point 2" on task done.
+/// Where it is and what may follow: "point 1: circle" (node 4 of 9); next "point 2" on task done.
 std::string text_of_step(const PlanStep& step);
 
 // Safety Officer -----------------------------------------------------------------------------------------------------

@@ -174,7 +174,7 @@ void SafetyOfficer::check_way() {
 void SafetyOfficer::check_route() {
   if (!under_way()) return;
   if (!inside_.empty()) find(Fault::kInsideObstacle, inside_);
-  if (!refusal_ || waits_for_turn_) return;
+  if (!refusal_ || waits_for_turn_ || !wants_route_) return;
   const bool first_look = !ever_planned_ && clock_s_ - started_s_ < config_.startup_s;
   if (refusal_->reason == RouteRefused::Reason::kNoMap && first_look) return;  // no sweep has ended yet
   switch (refusal_->reason) {

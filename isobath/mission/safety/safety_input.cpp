@@ -115,6 +115,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
   if (const auto* wait = std::get_if<PassageWait>(&message)) waits_for_turn_ = wait->waits;
+  if (std::holds_alternative<RouteRequest>(message)) wants_route_ = true;
   if (const auto* report = std::get_if<PointReport>(&message)) on_point(*report);
   if (std::holds_alternative<MotionOrder>(message)) wait_for_traffic();
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;
@@ -142,6 +143,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
 }
 
 void SafetyOfficer::on_point(const PointReport& report) {
+  if (report.kind == PointReport::Kind::kDropped) wants_route_ = false;
   if (report.kind != PointReport::Kind::kTaken || report.point == tried_point_) return;
   tried_point_ = report.point;
   Row& no_path = row(Fault::kNoPath);

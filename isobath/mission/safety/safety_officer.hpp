@@ -228,6 +228,7 @@ class SafetyOfficer final : public Agent {
   std::optional<Refusal> refusal_;
   std::string inside_;
   bool waits_for_turn_ = false;             ///< before a passage: it needs no route
+  bool wants_route_ = true;                 ///< false: the point was dropped, and no other one is asked for
   std::optional<std::size_t> tried_point_;  ///< the last to which the Executive Officer set out
 
   std::string lost_agent_;
