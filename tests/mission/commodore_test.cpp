@@ -492,9 +492,9 @@ TEST_F(PassageTest, OutlivesTheVehicleThatGivesTheTurns) {
   send_to(1, 200);
   sail(60, 0, random);
   boats[0].off = true;
-  sail(140, 0, random);
+  sail(120, 0, random);
   EXPECT_TRUE(boats[1].waits) << "it may still be in the gap, though it is lost since 80 s";
-  sail(110, 0, random);
+  sail(130, 0, random);
   EXPECT_NEAR(boats[1].north, 200, 0.2);
 }
 
