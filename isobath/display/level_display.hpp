@@ -1,7 +1,7 @@
 // LevelDisplay: the command in force at each level, for the page: from the mission down to the actuators, who gave it,
 // since when, which command above it serves, how far ahead the level plans, and where the vehicle is in its plan graph
-// (ledger S2-52). The levels of the mission, the group, the vehicle and
-// the moves are shown when they change, those below at most once a second.
+// (ledger S2-52). The levels of the mission, the group, the vehicle and the moves are shown when they change, those
+// below at most once a second.
 #pragma once
 
 #include <array>

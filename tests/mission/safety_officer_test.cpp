@@ -375,14 +375,18 @@ TEST(FaultsOfTheWay, NoPath) {
   expect_refusal(Fault::kNoPath, RouteRefused::Reason::kNoMap, Act::kStop, kLimits.blocked_abort_s);
 }
 
+RouteRefused no_path() {
+  RouteRefused refused;
+  refused.reason = RouteRefused::Reason::kNoPath;
+  return refused;
+}
+
 // ledger: S2-17
 TEST(FaultsOfTheWay, AVehicleThatWaitsForItsTurnNeedsNoPath) {
   SafetyStream stream;
-  RouteRefused refused;
-  refused.reason = RouteRefused::Reason::kNoPath;
   stream.run_to(kBegin);
   stream.tell(PassageWait{true, ""});
-  stream.tell(refused);
+  stream.tell(no_path());
   stream.run_to(kBegin + 100);
   EXPECT_EQ(stream.raised(Fault::kNoPath), -1);
   stream.tell(PassageWait{false, ""});
@@ -393,10 +397,8 @@ TEST(FaultsOfTheWay, AVehicleThatWaitsForItsTurnNeedsNoPath) {
 // After a dropped point the Executive Officer may have nowhere else to go. ledger: S2-17
 TEST(FaultsOfTheWay, NoPathIsNoFaultWhereNoRouteIsAskedFor) {
   SafetyStream stream;
-  RouteRefused refused;
-  refused.reason = RouteRefused::Reason::kNoPath;
   stream.run_to(kBegin);
-  stream.tell(refused);
+  stream.tell(no_path());
   stream.run_to(kBegin + 10);
   EXPECT_GE(stream.raised(Fault::kNoPath), kBegin);
   stream.tell(PointReport{PointReport::Kind::kDropped, 3, "", true});
@@ -410,10 +412,8 @@ TEST(FaultsOfTheWay, NoPathIsNoFaultWhereNoRouteIsAskedFor) {
 // The levels of command try other points first; a point that is tried again is no other one. ledger: S2-17
 TEST(FaultsOfTheWay, NoPathCountsAnewForEachPointThatIsTried) {
   SafetyStream stream;
-  RouteRefused refused;
-  refused.reason = RouteRefused::Reason::kNoPath;
   stream.run_to(kBegin);
-  stream.tell(refused);
+  stream.tell(no_path());
   stream.run_to(kBegin + 60);
   stream.tell(PointReport{PointReport::Kind::kTaken, 7, ""});
   stream.run_to(kBegin + 130);

@@ -33,8 +33,8 @@
 //
 // Passages: the vehicles of a group go through a [[passage]] of the mission one at a time (passage_turns.hpp). The gate
 // keeper, the first vehicle in the list that is heard, gives the turn to the vehicle that asked first; the turn is over
-// when the vehicle asks for it no more, or is lost. A new gate keeper knows from the status of each vehicle which ones
-// are in a passage (S2-17).
+// when the vehicle asks for it no more, or was not heard for half of `passage_wait_s`. A new gate keeper knows from the
+// status of each vehicle which ones are in a passage (S2-17).
 //
 // No way: a lane of which kNoWayPoints stations in a row had no route is given up by this vehicle; after kNoWayLanes
 // such lanes in a row it gives all its lanes to the others. Once no vehicle of the group finds a way, the Captain ends

@@ -72,12 +72,13 @@ std::size_t Commodore::gate_keeper() const {
 void Commodore::give_turns(Time now, Outbox& out) {
   if (gate_keeper() != own_) return turns_.clear();
   const auto asks_for = [&](std::size_t v, std::size_t passage) {
+    const auto& ask = ask_of(v);
+    if (!ask || ask->passage != passage) return false;
+    if (v == own_ || !members_[v].lost) return true;
     // One that is heard no more may be in the passage: only its link may have failed.
     const auto turn = turns_.find(passage);
-    const bool may_pass = ask_of(v) && (ask_of(v)->passing || (turn != turns_.end() && turn->second.vehicle == v));
-    const bool counts = v == own_ || !members_[v].lost ||
-                        (may_pass && to_seconds(now - members_[v].heard) < config_.passage_wait_s / 2);
-    return counts && ask_of(v) && ask_of(v)->passage == passage;
+    const bool may_pass = ask->passing || (turn != turns_.end() && turn->second.vehicle == v);
+    return may_pass && to_seconds(now - members_[v].heard) < config_.passage_wait_s / 2;
   };
   for (std::size_t k = 0; k < plan_->passages.size(); ++k) {
     const auto turn = turns_.find(k);

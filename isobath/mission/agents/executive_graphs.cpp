@@ -54,10 +54,10 @@ std::optional<PlanEvent> end_of(const TaskStep& step, std::size_t point) {
   return PlanEvent::fact("task done", index(point));
 }
 
-/// Adds a node for each step of the task of a point, after `before`. Returns what leads to the next point.
+/// Adds a node for each step of the task of a point (`own`), after `before`. Returns what leads to the next point.
 std::vector<NodeExit> add_steps(PlanGraph& graph, const MissionPlan& plan, std::size_t point,
-                                const std::vector<NodeExit>& before, const ExecutiveConfig& config) {
-  const std::vector<std::size_t> own = steps_of(plan.steps, plan.points[point].task);
+                                const std::vector<std::size_t>& own, const std::vector<NodeExit>& before,
+                                const ExecutiveConfig& config) {
   std::map<std::size_t, std::size_t> nodes;
   for (const std::size_t k : own) {
     nodes[k] = graph.add(fmt::format("{}: {}", node_name(plan, point), plan.steps[k].name),
@@ -117,8 +117,8 @@ PlanGraph visit_graph(const MissionPlan& plan, std::span<const std::size_t> poin
       for (const PlanEvent& event : over) nodes.exits.push_back({node, event});
     };
     if (p.hold_s > 0) then("hold", {PlanEvent::timeout(p.hold_s)});
-    if (!steps_of(plan.steps, p.task).empty()) {
-      nodes.exits = add_steps(graph, plan, i, nodes.exits, config);
+    if (const auto steps = steps_of(plan.steps, p.task); !steps.empty()) {
+      nodes.exits = add_steps(graph, plan, i, steps, nodes.exits, config);
     } else if (!p.task.empty()) {
       then("task", {PlanEvent::fact("task done", index(i)), PlanEvent::timeout(config.task_wait_s)});
     }

@@ -14,7 +14,6 @@ PassageTurns::PassageTurns(std::span<const GroupPassage> passages, double longes
 void PassageTurns::set_way(std::vector<Vector2d> way_W, Time now) {
   way_W_ = std::move(way_W);
   if (!way_W_.empty()) {
-    knows_way_ = true;
     idle_since_.reset();
   } else if (!idle_since_) {
     idle_since_ = now;
@@ -70,7 +69,7 @@ void PassageTurns::go_on(Time now) {
     return end();
   }
   if (inside) return;
-  const bool leads_elsewhere = knows_way_ && !way_W_.empty() && !along_m(way_W_, k);
+  const bool leads_elsewhere = !way_W_.empty() && !along_m(way_W_, k);
   const bool idle =
       idle_since_ && distance_m(k) > kWait_m && to_seconds(now - std::max(since_, *idle_since_)) > kIdle_s;
   if (leads_elsewhere || idle) end();
@@ -84,7 +83,6 @@ void PassageTurns::end() {
 void PassageTurns::take_turn(Time now) {
   ask_->passing = true;
   held_ = false;
-  knows_way_ = !way_W_.empty();
   since_ = now;
 }
 

@@ -56,8 +56,7 @@ class PassageTurns {
   std::vector<Eigen::Vector2d> way_W_;
   Eigen::Vector2d here_W_ = Eigen::Vector2d::Zero();
   std::optional<PassageAsk> ask_;
-  bool held_ = false;       ///< it waits
-  bool knows_way_ = false;  ///< it has had a way since its turn began
+  bool held_ = false;  ///< it waits
   std::uint8_t asks_ = 0;
   Time since_;                      ///< it asked, or its turn began
   std::optional<Time> idle_since_;  ///< it has no way

@@ -4,7 +4,7 @@
 // The steps with one `task` name are that task. A mission point that names it begins the first of its steps once the
 // point is reached. A step gives each of three planners its job: the pilot what to do, the scanning sonar where to
 // look, the link to the operator what to tell. It ends by an event, or after a time; for each of the two it names the
-// step that follows. So a task is data: a new one needs no code, and an action that nobody knows is refused.
+// step that follows. So a task is data: a new one needs no code. An unknown action is refused.
 //
 // Pilot: "hold" the position, come to the "surface", "go" to the point, or a task of a back-seat driver with its
 // numbers ("circle radius_m=8"). Events: "done" (the pilot's work is done; "hold" never is), or a quantity beyond a
