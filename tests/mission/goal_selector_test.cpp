@@ -40,10 +40,10 @@ class GoalSelectorTest : public testing::Test {
     map->obstacles[0].motion = {.velocity_W = velocity_W, .track = 3};
     script->hear(Sweep{1, true, 0, map}, now);
   }
-  std::vector<Message> go_to(const Vector2d& p_W, double speed = 1.5) {
+  std::vector<Message> go_to(const Vector2d& p_W, double speed = 1.5, Angle heading = {}) {
     now += 0.1;
     place = p_W;
-    script->hear(fix(now, p_W.x(), p_W.y(), 0, speed), now);
+    script->hear(fix(now, p_W.x(), p_W.y(), heading.degrees(), speed), now);
     return script->tick(now);
   }
 
@@ -100,6 +100,72 @@ TEST_F(GoalSelectorTest, OrdersAMotionThatKeepsTheMarginFromABodyThatCrosses) {
   EXPECT_GE(told[0].approach->gap_m, config.planner.margin_m - 0.01);
   EXPECT_GE(static_cast<double>(told[0].way.size()), told[0].approach->in_s) << "a place a second, until it is passed";
   EXPECT_LE(static_cast<double>(told.size()), 1 + now / GoalSelector::kTellAgain_s) << "once in a while";
+}
+
+// A body lies 6 m ahead of a vehicle that cannot stop and begins to hold its position, and drifts across its circle to
+// starboard: it is steered past the body, and stays about its place. ledger: S3-22
+TEST_F(GoalSelectorTest, SteersAVehicleThatHoldsItsPositionPastABody) {
+  vehicle.min_speed = 0.8;
+  make();
+  go_to({0, 0});
+  order({});
+  const auto body_at = [](double s) { return Vector2d(7 - 0.05 * s, 3 + 0.2 * s); };
+  const auto gap = [&](const Vector2d& p) {
+    return (p - nearest_point(square(body_at(now).x(), body_at(now).y(), 1), p)).norm() - vehicle.hull_radius_m;
+  };
+  Vector2d own(0, 0);
+  Angle heading;
+  double least = INFINITY, circling = INFINITY, farthest = 0;
+  for (int k = 0; k < 600; ++k) {
+    if (k % 6 == 0) {
+      still({});
+      sweep(body_at(now), {-0.05, 0.2});
+    }
+    const auto orders = only<MotionOrder>(go_to(own, 0.85, heading));
+    ASSERT_EQ(orders.size(), 1u) << now;
+    own += 0.1 * orders[0].velocity_W;
+    heading = Angle::radians(std::atan2(orders[0].velocity_W.y(), orders[0].velocity_W.x()));
+    least = std::min(least, gap(own));
+    const double turned = 0.8 * now / 5.2;  // on a circle of 1.3 times the turning radius
+    circling = std::min(circling, gap({5.2 * std::sin(turned), 5.2 * (1 - std::cos(turned))}));
+    farthest = std::max(farthest, own.norm());
+  }
+  EXPECT_LT(circling, 0);
+  EXPECT_GT(least, config.planner.margin_m - config.track_m);
+  EXPECT_LT(farthest, 20);
+}
+
+// A wall to starboard: the vehicle that cannot stop circles to port. One that hovers stays where it is.
+TEST_F(GoalSelectorTest, SteersAVehicleThatCirclesPastWhatLiesStill) {
+  for (const double min_speed : {0.0, 0.8}) {
+    vehicle.min_speed = min_speed;
+    make();
+    go_to({0, 0});
+    order({});
+    Vector2d own(0, 0);
+    Angle heading;
+    double most_east = 0, most_west = 0;
+    for (int k = 0; k < 600; ++k) {
+      if (k % 6 == 0) still({{{-40, 4}, {40, 4}, {40, 6}, {-40, 6}}});
+      const auto orders = only<MotionOrder>(go_to(own, 0.85, heading));
+      ASSERT_EQ(orders.size(), min_speed > 0 ? 1u : 0u) << now;
+      if (orders.empty()) continue;
+      own += 0.1 * orders[0].velocity_W;
+      heading = Angle::radians(std::atan2(orders[0].velocity_W.y(), orders[0].velocity_W.x()));
+      most_east = std::max(most_east, own.y());
+      most_west = std::min(most_west, own.y());
+    }
+    EXPECT_LT(most_east, 4 - vehicle.hull_radius_m - config.planner.margin_m + config.track_m);
+    EXPECT_LE(most_west, min_speed > 0 ? -1.5 * vehicle.limits.turning_radius : 0);
+  }
+}
+
+TEST_F(GoalSelectorTest, SteersNoVehicleThatSurfaces) {
+  go_to({0, 0});
+  script->hear(FollowOrder{8, {}, {}, true}, now);
+  still({});
+  sweep({10, 0}, {0, 0.3});
+  EXPECT_TRUE(only<MotionOrder>(go_to({0, 0})).empty());
 }
 
 // A wall between the vehicle and the last way-point: the corner of the route is the goal until the point is in sight.

@@ -135,6 +135,20 @@ TEST_F(PilotTest, HoldsThePlaceWhereItComesToRest) {
   EXPECT_NEAR(setpoint().speed, 0, 0.05);
 }
 
+// ledger: S3-22
+TEST_F(PilotTest, LeavesThePlaceThatItHoldsForAMotionAndComesBack) {
+  make();
+  at_place(0, 0, 0, 0);
+  script->hear(FollowOrder{3, {}, {}, false}, now);
+  at_place(0, 0, 0, 0);
+  script->hear(MotionOrder{3, 0, at(now), {0, 0}, {0, 0.4}, at(now + 1)}, now);
+  at_place(0, 0, 0, 0);
+  EXPECT_NEAR(setpoint().heading.degrees(), 90, 1e-6);
+  EXPECT_GT(setpoint().speed, 0.3);
+  for (int i = 0; i < 8; ++i) at_place(0, 6, 0, 0);
+  EXPECT_NEAR(setpoint().heading.degrees(), -90, 1) << "no motion is ordered any more";
+}
+
 TEST_F(PilotTest, HoldsByCirclingWhereTheVehicleCannotHover) {
   vehicle.min_speed = 0.8;
   vehicle.limits.turning_radius = 6;

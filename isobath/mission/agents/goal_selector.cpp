@@ -116,9 +116,13 @@ void GoalSelector::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* order = std::get_if<FollowOrder>(&message)) {
     order_ = *order;
     passed_ = 0;
+    hold_W_.reset();
+    if (!order->waypoints.empty()) went_ = order->waypoints.back().speed;
+    if (order->waypoints.empty() && !order->surface) begin_hold();
   }
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) {
     if (passed->version == order_.version) passed_ = std::max(passed_, passed->index + 1);
+    if (passed_ == order_.waypoints.size() && !order_.surface && !hold_W_) begin_hold();
   }
   if (const auto* action = std::get_if<SafetyAction>(&message)) {
     overruled_ = action->kind != SafetyActionKind::kNone && action->kind != SafetyActionKind::kSlow;
@@ -141,14 +145,21 @@ MovingBody GoalSelector::bounded(MovingBody body) const {
   return body;
 }
 
-bool GoalSelector::may_steer(Time now) const {
-  return config_.on && !overruled_ && !order_.surface && passed_ < order_.waypoints.size() && here_ && here_->v_WB &&
-         to_seconds(now - here_->time) < kFreshFix_s && still_ && to_seconds(now - still_->heard) < kFreshHazards_s;
+void GoalSelector::begin_hold() {
+  if (here_) hold_W_ = here_->X_WB.translation.head<2>();
 }
+
+bool GoalSelector::may_steer(Time now) const {
+  const bool has_goal = hold_W_ || (!order_.surface && passed_ < order_.waypoints.size());
+  return config_.on && !overruled_ && has_goal && here_ && here_->v_WB && to_seconds(now - here_->time) < kFreshFix_s &&
+         still_ && to_seconds(now - still_->heard) < kFreshHazards_s;
+}
+
+double GoalSelector::ordered_speed() const { return hold_W_ ? went_ : order_.waypoints[passed_].speed; }
 
 bool GoalSelector::in_reach(const MovingBody& body, Time now) const {
   const Vector2d p_W = body.p_W + to_seconds(now - body.time) * body.velocity_W;
-  const double own_speed = std::max(speed_, order_.waypoints[passed_].speed);
+  const double own_speed = std::max(speed_, ordered_speed());
   const TrafficConfig& planner = config_.planner;
   const double reach_s =
       planner.rules.on ? std::max(planner.search.horizon_s, planner.rules.risk_s) : planner.search.horizon_s;
@@ -184,39 +195,57 @@ std::size_t GoalSelector::waypoint_in_sight() const {
   return passed_;
 }
 
-/// A planner for the speed of the order, with a way-point of it as its goal.
+double GoalSelector::turning_radius_m() const {
+  return config_.turn_reserve * std::max(vehicle_.limits.turning_radius, kSpot);
+}
+
+/// With the parameters of the situation, for a vehicle at most as fast as this.
+void GoalSelector::make_planner(double speed) {
+  TrafficVehicle v;
+  v.radius_m = vehicle_.hull_radius_m;
+  v.turning_radius_m = turning_radius_m();
+  v.max_turn_rate = vehicle_.limits.max_yaw_rate.radians() / config_.turn_reserve;
+  v.min_speed = vehicle_.min_speed;
+  v.max_speed = speed;
+  v.acceleration = vehicle_.limits.max_acceleration;
+  v.braking = vehicle_.braking;
+  TrafficConfig rules = config_.planner;
+  if (situation_ == TrafficSituation::kPursued) rules.margin_m = std::max(rules.margin_m, config_.pursued_margin_m);
+  if (hold_W_) {
+    rules.search.clear_s = kHold_s;
+    rules.replan_s = kHold_s / 2;  // it is where it shall be: another plan would only be another circle
+  }
+  if (situation_ == TrafficSituation::kBlocked) rules.replan_s = std::min(rules.replan_s, config_.blocked_replan_s);
+  TrafficPlanner planner(rules, v);
+  if (planner_) planner.continue_from(*planner_);
+  planner_.emplace(std::move(planner));
+  planned_for_ = situation_;
+  planned_hold_ = hold_W_.has_value();
+  speed_ = speed;
+}
+
+/// A planner for the speed of the order; its goal is a way-point of the order, or the place that is held.
 void GoalSelector::aim() {
-  waypoint_ = waypoint_in_sight();
-  const Waypoint& goal = order_.waypoints[waypoint_];
-  const bool is_pursued = situation_ == TrafficSituation::kPursued,
-             is_blocked = situation_ == TrafficSituation::kBlocked;
-  const double wanted = is_pursued ? config_.pursued_speed * goal.speed : goal.speed;
+  waypoint_ = hold_W_ ? 0 : waypoint_in_sight();
+  MotionGoal goal{hold_W_.value_or(Vector2d::Zero()), kCorner_m};
+  double wanted = went_;
+  if (hold_W_) {
+    // Both circles of a vehicle that cannot stop lie within this.
+    if (vehicle_.min_speed > 0) goal.radius_m += 2 * turning_radius_m();
+  } else {
+    const Waypoint& w = order_.waypoints[waypoint_];
+    goal.place_W = {w.north, w.east};
+    if (waypoint_ + 1 == order_.waypoints.size() && w.radius_m > 0) goal.radius_m = w.radius_m;
+    wanted = w.speed;
+  }
+  if (situation_ == TrafficSituation::kPursued) wanted *= config_.pursued_speed;
   const double speed = std::clamp(wanted, vehicle_.min_speed + kSlack, vehicle_.limits.max_speed);
   // Clear and crossing traffic have the same parameters.
   const bool differs = planned_for_ != situation_ && std::max(planned_for_, situation_) > TrafficSituation::kCrossing;
-  const bool is_first = !planner_;
-  if (is_first || speed != speed_ || differs) {
-    TrafficVehicle v;
-    v.radius_m = vehicle_.hull_radius_m;
-    v.turning_radius_m = config_.turn_reserve * std::max(vehicle_.limits.turning_radius, kSpot);
-    v.max_turn_rate = vehicle_.limits.max_yaw_rate.radians() / config_.turn_reserve;
-    v.min_speed = vehicle_.min_speed;
-    v.max_speed = speed;
-    v.acceleration = vehicle_.limits.max_acceleration;
-    v.braking = vehicle_.braking;
-    TrafficConfig rules = config_.planner;
-    if (is_pursued) rules.margin_m = std::max(rules.margin_m, config_.pursued_margin_m);
-    if (is_blocked) rules.replan_s = std::min(rules.replan_s, config_.blocked_replan_s);
-    planned_for_ = situation_;
-    TrafficPlanner planner(rules, v);
-    if (planner_) planner.continue_from(*planner_);
-    planner_.emplace(std::move(planner));
-    speed_ = speed;
-  }
-  if (!is_first && goal.north == goal_.north && goal.east == goal_.east && goal.radius_m == goal_.radius_m) return;
+  if (!planner_ || speed != speed_ || differs || planned_hold_ != hold_W_.has_value()) make_planner(speed);
+  if (goal_ == goal) return;
   goal_ = goal;
-  const bool last = waypoint_ + 1 == order_.waypoints.size();
-  planner_->set_goal({goal.north, goal.east}, last && goal.radius_m > 0 ? goal.radius_m : kCorner_m);
+  planner_->set_goal(goal.place_W, goal.radius_m);
 }
 
 /// A body from astern that would come near, both keeping their velocities; null: none does.
@@ -273,7 +302,13 @@ void GoalSelector::tick(Time now, Outbox& out) {
     if (in_reach(body, now)) bodies_.push_back(body);
   }
   enter(assess(now), now, out);
-  if (bodies_.empty()) return;
+  const bool circles = hold_W_ && vehicle_.min_speed > 0;
+  const Vector2d here_W = here_->X_WB.translation.head<2>();
+  const auto is_near = [&](const MovingBody& body) {
+    return (body.p_W - here_W).norm() - circumscribed_radius(body) < 4 * turning_radius_m() + kReach_m &&
+           distance_to(body, here_W, 0) < 4 * turning_radius_m() + kReach_m;
+  };
+  if (bodies_.empty() && !(circles && std::ranges::any_of(still_->bodies, is_near))) return;
   aim();
   bodies_.insert(bodies_.end(), still_->bodies.begin(), still_->bodies.end());
   const TrafficPlan& plan = planner_->step(own_state(now), now, bodies_);

@@ -12,6 +12,10 @@
 // under a hazard, the Pilot follows the legs of the route, and the Navigator avoids moving bodies by the water that
 // they cross in the next seconds.
 //
+// A vehicle that holds its position is steered past moving bodies, too, and one that cannot stop also past still ones:
+// its goal is then to be near the place where it began to hold, and each plan must end in kHold_s at rest, or on a
+// circle to either side, clear of all bodies. The Pilot circles to starboard, whatever lies there.
+//
 // The vehicle need not follow the plan exactly. While it is within `track_m` of the place and speed of the plan, the
 // plan is checked and continued from its own state; farther off, it is made anew from the vehicle's. The margin to all
 // bodies must therefore be more than `track_m`. The Safety Officer has the last word: while it stops or turns the
@@ -63,7 +67,7 @@ const char* to_text(TrafficSituation situation);
 
 class GoalSelector final : public Agent {
  public:
-  static constexpr double kTellAgain_s = 20, kSituation_s = 5, kNear_m = 5;
+  static constexpr double kTellAgain_s = 20, kSituation_s = 5, kNear_m = 5, kHold_s = 20;
 
   GoalSelector(const GoalSelectorConfig& config, const VehicleParameters& vehicle);
 
@@ -74,9 +78,13 @@ class GoalSelector final : public Agent {
   void take_bodies(const Sweep& sweep);
   [[nodiscard]] MovingBody bounded(MovingBody body) const;
   [[nodiscard]] bool may_steer(Time now) const;
+  [[nodiscard]] double ordered_speed() const;
   [[nodiscard]] bool in_reach(const MovingBody& body, Time now) const;
   [[nodiscard]] MotionState own_state(Time now) const;
   [[nodiscard]] std::size_t waypoint_in_sight() const;
+  void begin_hold();
+  [[nodiscard]] double turning_radius_m() const;
+  void make_planner(double speed);
   void aim();
   struct Assessment {
     TrafficSituation situation = TrafficSituation::kClear;
@@ -94,12 +102,20 @@ class GoalSelector final : public Agent {
   std::optional<TrafficPlanner> planner_;                    ///< for the speed of the present order
   double speed_ = 0;                                         ///< of that planner, m/s
   TrafficSituation planned_for_ = TrafficSituation::kClear;  ///< of that planner
+  bool planned_hold_ = false;                                ///< of that planner
   std::size_t waypoint_ = 0;                                 ///< its goal
-  Waypoint goal_;
+  struct MotionGoal {
+    Eigen::Vector2d place_W;
+    double radius_m;  ///< within which it is reached
+    friend bool operator==(const MotionGoal&, const MotionGoal&) = default;
+  };
+  std::optional<MotionGoal> goal_;
 
   std::optional<Navigation> here_;
   FollowOrder order_;
-  std::size_t passed_ = 0;  ///< way-points of the order that lie behind
+  std::size_t passed_ = 0;                 ///< way-points of the order that lie behind
+  std::optional<Eigen::Vector2d> hold_W_;  ///< where the vehicle began to hold its position; none: it goes on
+  double went_ = 0.5;                      ///< speed of the last order that led somewhere, m/s
   struct Still {
     Time heard;
     HazardMap map;

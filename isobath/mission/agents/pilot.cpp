@@ -32,7 +32,8 @@ void Pilot::on_message(const Message& message, Time, Outbox&) {
   if (const auto* order = std::get_if<FollowOrder>(&message)) on(*order);
   if (const auto* reading = std::get_if<RangeReading>(&message)) on(*reading);
   if (const auto* motion = std::get_if<MotionOrder>(&message)) {
-    if (task_ == Task::kFollow && motion->version == order_.version && motion->place_W.allFinite()) motion_ = *motion;
+    const bool may_move = task_ == Task::kFollow || task_ == Task::kHold;
+    if (may_move && motion->version == order_.version && motion->place_W.allFinite()) motion_ = *motion;
   }
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
@@ -55,7 +56,7 @@ void Pilot::tick(Time now, Outbox& out) {
     return;
   }
   rest_.reset();
-  const Setpoint wanted = task_ == Task::kFollow ? follow(dt, now, out) : station_.step(here_->X_WB, here_->v_WB, dt);
+  const Setpoint wanted = task_ == Task::kFollow ? follow(dt, now, out) : hold(dt, now);
   out.say(HelmOrder{task_ == Task::kSurface ? wanted : at_its_depth(wanted, now)});
 }
 
@@ -123,6 +124,14 @@ double Pilot::hold_speed() const {
   return vehicle_.min_speed > 0 ? std::max({config_.hold_speed, vehicle_.min_speed, went_}) : config_.hold_speed;
 }
 
+/// The vehicle leaves its place for a motion past bodies that move, and comes back afterwards.
+Setpoint Pilot::hold(double dt, Time now) {
+  if (here_->v_WB) drift_.update(here_->X_WB.rotation.heading(), *here_->v_WB, guidance_.drift_time, dt);
+  const bool moves = task_ == Task::kHold && motion_ && now - motion_->time <= MotionOrder::kLasts;
+  if (!moves) return station_.step(here_->X_WB, here_->v_WB, dt);
+  return along_motion(station_.place().depth, std::max(went_, hold_speed()), now);
+}
+
 Setpoint Pilot::follow(double dt, Time now, Outbox& out) {
   if (here_->v_WB) drift_.update(here_->X_WB.rotation.heading(), *here_->v_WB, guidance_.drift_time, dt);
   if (motion_ && now - motion_->time <= MotionOrder::kLasts) return follow_motion(now, out);
@@ -139,8 +148,21 @@ Setpoint Pilot::follow(double dt, Time now, Outbox& out) {
 
 // The velocity of the motion, as it will be when the heading has followed, and back to its place, with the present
 // drift. A vehicle that is ahead of the motion slows down.
-Setpoint Pilot::follow_motion(Time now, Outbox& out) {
+Setpoint Pilot::along_motion(double depth, double max_speed, Time now) const {
   constexpr double kStanding = 0.1;
+  const Vector2d here = here_->X_WB.translation.head<2>();
+  const Angle heading = here_->X_WB.rotation.heading();
+  Setpoint wanted{heading, depth, vehicle_.min_speed, 0};
+  const Vector2d place = motion_->place_W + to_seconds(now - motion_->time) * motion_->velocity_W;
+  const Vector2d v_W = motion_->velocity_W + (place - here) / config_.motion_s;
+  if (v_W.norm() > kStanding && v_W.dot(Vector2d(cos(heading), sin(heading))) > -kStanding) {
+    wanted.speed = std::clamp(v_W.norm(), vehicle_.min_speed, std::max(max_speed, vehicle_.min_speed));
+    wanted.heading = (Angle::radians(std::atan2(v_W.y(), v_W.x())) - drift_.crab(heading, wanted.speed)).wrapped();
+  }
+  return wanted;
+}
+
+Setpoint Pilot::follow_motion(Time now, Outbox& out) {
   const std::vector<Waypoint>& all = order_.waypoints;
   const std::size_t last = all.size() - 1;
   const auto place_of = [](const Waypoint& w) { return Vector2d(w.north, w.east); };
@@ -152,14 +174,7 @@ Setpoint Pilot::follow_motion(Time now, Outbox& out) {
     pass(reached, out);
   }
   const Waypoint& goal = all[told_];
-  const Angle heading = here_->X_WB.rotation.heading();
-  Setpoint wanted{heading, goal.depth, vehicle_.min_speed, 0};
-  const Vector2d place = motion_->place_W + to_seconds(now - motion_->time) * motion_->velocity_W;
-  const Vector2d v_W = motion_->velocity_W + (place - here) / config_.motion_s;
-  if (v_W.norm() > kStanding && v_W.dot(Vector2d(cos(heading), sin(heading))) > -kStanding) {
-    wanted.speed = std::clamp(v_W.norm(), vehicle_.min_speed, std::max(goal.speed, vehicle_.min_speed));
-    wanted.heading = (Angle::radians(std::atan2(v_W.y(), v_W.x())) - drift_.crab(heading, wanted.speed)).wrapped();
-  }
+  const Setpoint wanted = along_motion(goal.depth, goal.speed, now);
   if (told_ == last && distance_to(goal) <= radius_of(goal)) pass(true, out);
   return wanted;
 }

@@ -14,8 +14,8 @@
 // hover, it brakes for the point.
 //
 // While the Goal Selector orders a motion, the Pilot keeps to its place and velocity instead of the line to the
-// way-point, and makes good an error of place in `motion_s`. The last way-point is then passed only within its radius;
-// afterwards the line starts where it is.
+// way-point or the place that it holds, and makes good an error of place in `motion_s`. The last way-point is then
+// passed only within its radius; afterwards the line starts where it is.
 //
 // The Navigator avoids obstacles, and the Safety Officer decides whether an order is safe; the Pilot does neither.
 #pragma once
@@ -53,6 +53,8 @@ class Pilot final : public Agent {
   void hold_where_it_stops();
   Setpoint follow(double dt, Time now, Outbox& out);
   Setpoint follow_motion(Time now, Outbox& out);
+  [[nodiscard]] Setpoint along_motion(double depth, double max_speed, Time now) const;
+  Setpoint hold(double dt, Time now);
   void report(Outbox& out);
   void pass(bool reached, Outbox& out);
   [[nodiscard]] double radius_of(const Waypoint& last) const;
