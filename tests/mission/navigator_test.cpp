@@ -162,6 +162,24 @@ TEST_F(NavigatorTest, LeavesBodiesThatMoveToTheGoalSelectorWhileItSteersPastThem
   EXPECT_GT(way().size(), 2u);
 }
 
+// Whether it waits for a route, or has reached its point. ledger: S3-21
+TEST_F(NavigatorTest, TellsTheGoalSelectorWhatLiesStillWhileTheVehicleHoldsItsPosition) {
+  sail_from(0, 0);
+  scan({});
+  ask(point(100, 0));
+  const auto told = [&] { return only<StillHazards>(scan({square(30, 40, 2)})); };
+  EXPECT_TRUE(told().empty()) << "nothing moves";
+  script->hear(FollowOrder{0, {}, {}, false}, now);
+  auto still = told();
+  ASSERT_EQ(still.size(), 1u);
+  ASSERT_EQ(still[0].hazards->size(), 1u);
+  EXPECT_NEAR(still[0].hazards->at(0).outline[0].y(), 38, 1e-9) << "in W";
+  script->hear(FollowOrder{1, {{100, 0, 2, 1.5}}, {}, false}, now);
+  EXPECT_TRUE(told().empty());
+  script->hear(WaypointPassed{1, 0, true, true}, now);
+  EXPECT_EQ(told().size(), 1u) << "without a request, too";
+}
+
 // One that is seen at the point may not be known to move yet.
 TEST_F(NavigatorTest, AmongBodiesThatMoveAPointIsGivenUpLater) {
   for (const bool traffic : {false, true}) {

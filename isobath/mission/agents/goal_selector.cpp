@@ -116,6 +116,7 @@ void GoalSelector::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* order = std::get_if<FollowOrder>(&message)) {
     order_ = *order;
     passed_ = 0;
+    if (hold_W_) still_.reset();  // on a route the Navigator decides anew who avoids what
     hold_W_.reset();
     if (!order->waypoints.empty()) went_ = order->waypoints.back().speed;
     if (order->waypoints.empty() && !order->surface) begin_hold();

@@ -42,6 +42,7 @@ void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan, out);
   if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
   if (const auto* request = std::get_if<RouteRequest>(&message)) on_request(*request, out);
+  if (const auto* order = std::get_if<FollowOrder>(&message)) holds_ = order->waypoints.empty() && !order->surface;
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) on_passage(*passed);
   if (const auto* motion = std::get_if<MotionOrder>(&message)) steered_ = motion->time;
   if (const auto* action = std::get_if<SafetyAction>(&message)) on_action(*action, out);
@@ -141,6 +142,7 @@ void Navigator::on_passage(const WaypointPassed& passed) {
   way_.erase(way_.begin(), way_.begin() + static_cast<std::ptrdiff_t>(behind));
   passed_ += behind;
   if (!passed.last) return;
+  holds_ = true;
   request_.reset();
   way_.clear();
 }
@@ -164,13 +166,19 @@ void Navigator::wait_for_goal_selector() {
 // One cycle: the hazards, whether the point can stay, whether the route can (Ganesan 2015, 5.2).
 void Navigator::look(Outbox& out) {
   look_at_tick_ = false;
-  if (!request_ || !here_) return note_plan(out);
-  if (const auto refusal = blind()) return refuse(*refusal, out);
+  if (!here_ || (!request_ && !holds_)) return note_plan(out);
   const PlanFrame frame = plan_frame();
+  const Vector2d vehicle = frame.to_local(place_of(*here_));
   std::vector<Hazard> hazards = hazards_in(frame);
+  if (holds_) {
+    std::vector<Hazard> still = hazards;
+    trim_margins(still, vehicle, vehicle_.half_width_m);
+    tell_still(still, frame, out);
+  }
+  if (!request_) return note_plan(out);
+  if (const auto refusal = blind()) return refuse(*refusal, out);
   const bool handed_over = hand_over_moving(hazards);
   if (const auto refusal = judge_goal(frame, hazards)) return refuse(*refusal, out);
-  const Vector2d vehicle = frame.to_local(place_of(*here_));
   trim_margins(hazards, vehicle, vehicle_.half_width_m);
   View view{HazardMap(std::move(hazards)),
             frame,
@@ -178,7 +186,7 @@ void Navigator::look(Outbox& out) {
             frame.to_local(request_->target.north_east),
             (here_->X_WB.rotation.heading() - frame.heading).wrapped()};
   for (const Waypoint& w : way_) view.way.push_back(frame.to_local(Vector2d(w.north, w.east)));
-  if (handed_over) tell_still(view, out);
+  if (handed_over && !holds_) tell_still(view.map.hazards(), frame, out);
   if (way_.empty()) {
     start(view, out);
   } else {
@@ -205,13 +213,14 @@ bool Navigator::hand_over_moving(std::vector<Hazard>& hazards) {
   return true;
 }
 
-void Navigator::tell_still(const View& view, Outbox& out) const {
+void Navigator::tell_still(std::span<const Hazard> hazards, const PlanFrame& frame, Outbox& out) const {
   constexpr double kNear_m = 100;
+  const Vector2d vehicle = frame.to_local(place_of(*here_));
   std::vector<Hazard> still;
-  for (const Hazard& h : view.map.hazards()) {
-    if (h.kind == HazardKind::kMoving || signed_distance(h.outline, view.way.front()) > kNear_m) continue;
+  for (const Hazard& h : hazards) {
+    if (h.kind == HazardKind::kMoving || signed_distance(h.outline, vehicle) > kNear_m) continue;
     still.push_back(h);
-    for (Vector2d& p : still.back().outline) p = view.frame.to_world(p);
+    for (Vector2d& p : still.back().outline) p = frame.to_world(p);
   }
   out.say(StillHazards{now_, std::make_shared<const std::vector<Hazard>>(std::move(still))});
 }

@@ -2,9 +2,9 @@
 // S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
 // S2-31).
 //
-// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, GroupHazards, Navigation, WaypointPassed,
-// MotionOrder, MissionOrder (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an
-// overloaded computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, LevelPlan, Decision.
+// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, GroupHazards, Navigation, FollowOrder,
+// WaypointPassed, MotionOrder, MissionOrder (fence, speed), SafetyAction and Health (of the planner: the share of its
+// budget that an overloaded computer leaves it). Sends RoutePlanned, RouteRefused, StillHazards, LevelPlan, Decision.
 //
 // The depth map that sonar has measured counts as seen (HazardKind::kMapped): a vehicle that has only range sonars
 // plans on it, and without scans each update of it is one cycle (ledger S1-03, S1-41).
@@ -37,7 +37,7 @@
 //
 // Bodies that move are left to the Goal Selector, which gets all still hazards, while it orders motions past them.
 // Without it, and where the route leads over or under a hazard, they count with the water that they cross in the next
-// seconds.
+// seconds. While the vehicle holds its position, the Goal Selector gets the still hazards at each cycle.
 //
 // Where the mission has risk areas and priorities, a search weighs time, energy, detection and destruction
 // (mission/plan/priorities.hpp), and decisions state what the route costs. A point with `deviation_m` is reached
@@ -117,7 +117,7 @@ class Navigator : public Agent {
   [[nodiscard]] bool in_traffic() const;
   [[nodiscard]] int goal_scans() const;
   bool hand_over_moving(std::vector<Hazard>& hazards);
-  void tell_still(const View& view, Outbox& out) const;
+  void tell_still(std::span<const Hazard> hazards, const PlanFrame& frame, Outbox& out) const;
   [[nodiscard]] PlanFrame plan_frame() const;
   [[nodiscard]] std::vector<Hazard> hazards_in(const PlanFrame& frame) const;
   [[nodiscard]] bool is_steered() const;
@@ -210,6 +210,7 @@ class Navigator : public Agent {
   Mode mode_ = Mode::kNormal;
   double budget_share_ = 1;  ///< share of the budget that the computer leaves
   SafetyActionKind action_ = SafetyActionKind::kNone;
+  bool holds_ = false;               ///< the vehicle holds its position
   std::optional<Time> handed_over_;  ///< since when bodies move that the Goal Selector knows of
   std::optional<Time> traffic_;      ///< when a body last moved
   std::optional<Time> steered_;      ///< last order of the Goal Selector, while it is to steer
