@@ -54,19 +54,15 @@ std::string group_text(const GroupOutcome& outcome) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-namespace {
-
-std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
-}  // namespace
+std::string percent_text(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::vector<std::string> group_facts(const GroupOutcome& outcome) {
   const GroupRecord& record = outcome.record;
   const GroupScore& score = outcome.score;
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{} vehicles searched {} of an area of {} lanes in {:.0f} s, and {} of it twice or more",
-                              record.vehicles.size(), percent(score.searched), record.plan.search.lanes(),
-                              record.duration_s, percent(score.overlap)));
+                              record.vehicles.size(), percent_text(score.searched), record.plan.search.lanes(),
+                              record.duration_s, percent_text(score.overlap)));
   if (score.all_searched_s) lines.push_back(fmt::format("the last lane was done at {:.0f} s", *score.all_searched_s));
   if (score.reassigned_s) {
     lines.push_back(fmt::format("the lanes of the lost vehicle were shared anew after {:.0f} s", *score.reassigned_s));
@@ -93,7 +89,7 @@ std::vector<std::string> group_summary(const GroupOutcome& outcome) {
     std::string line = fmt::format(
         "  {}: {}, {} lanes, {} of the area", vehicle.name,
         vehicle.lost_s ? fmt::format("lost at {:.0f} s", *vehicle.lost_s) : std::string(to_text(vehicle.report.phase)),
-        record.lanes(v), percent(score.searched_by[v]));
+        record.lanes(v), percent_text(score.searched_by[v]));
     line += fmt::format("; sent {} packets, {:.1f} bit/s; {} received, {} lost, {} collided, {} unheard", n.packets,
                         record.bit_rate(v), n.received, n.lost, n.collided, n.deaf + n.out_of_range);
     lines.push_back(std::move(line));

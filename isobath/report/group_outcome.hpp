@@ -29,5 +29,7 @@ std::string group_report(const GroupOutcome& outcome, const std::string& png);
 std::vector<std::string> group_facts(const GroupOutcome& outcome);
 /// The same and a line for each vehicle, for a terminal.
 std::vector<std::string> group_summary(const GroupOutcome& outcome);
+/// A share as "97.3 %".
+std::string percent_text(double share);
 
 }  // namespace isobath

@@ -9,8 +9,6 @@ namespace isobath {
 
 namespace {
 
-std::string percent_text(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
 void add_vehicles(HtmlReport& page, const GroupOutcome& outcome) {
   const GroupRecord& record = outcome.record;
   std::vector<HtmlReport::Row> rows;

@@ -210,16 +210,16 @@ struct FollowOrder {
   std::optional<Eigen::Vector2d> then_W = {};  ///< where it will go on after the last way-point; empty: it stops there
 };
 
-/// Navigator -> Goal Selector: all hazards that lie still, in W, at each cycle in which one moves. Not while the route
-/// leads over or under a hazard of the plane.
+/// Navigator -> Goal Selector: all hazards that lie still, in W, at each cycle in which one moves, or the vehicle holds
+/// its position. Not while the route leads over or under a hazard of the plane.
 struct StillHazards {
   Time time;
   std::shared_ptr<const std::vector<Hazard>> hazards;
 };
 
 /// Goal Selector -> Pilot, Navigator: the motion past bodies that move. The Pilot follows it instead of the legs
-/// between the way-points of its FollowOrder, the Navigator leaves these bodies to the Goal Selector, both while the
-/// last order is younger than kLasts.
+/// between the way-points of its FollowOrder, or of holding its position; the Navigator leaves these bodies to the Goal
+/// Selector; both while the last order is younger than kLasts.
 struct MotionOrder {
   static constexpr Duration kLasts = std::chrono::milliseconds(500);
   std::uint32_t version = 0;                             ///< of the FollowOrder
