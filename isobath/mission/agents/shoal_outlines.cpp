@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <isobath/mission/agents/shoal_outlines.hpp>
 
 namespace isobath {
@@ -31,7 +32,10 @@ struct Masks {
 Masks masks_of(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
   Masks masks;
   masks.charted = masks.sensed = {window.width, window.height, 1, {}};
+  const std::size_t cells = static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height);
+  for (Mask* mask : {&masks.charted, &masks.sensed}) mask->blocked.resize(cells);
   std::vector<DepthPixel> rows;
+  std::size_t cell = 0;
   for (std::int32_t r = 0; r < window.height; r += kRowsRead) {
     const std::int32_t count = std::min(kRowsRead, window.height - r);
     rows.resize(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(count));
@@ -40,8 +44,8 @@ Masks masks_of(const DepthField& map, PixelWindow window, const ShoalRule& rule)
       const bool unknown = !p.known() || (p.clear_only() && p.depth_m() < rule.depth_m);
       const bool blocked = unknown ? rule.unknown_blocks : p.depth_m() < rule.depth_m;
       const bool sensed = p.has(kSensed) && !unknown;
-      masks.charted.blocked.push_back(blocked && !sensed);
-      masks.sensed.blocked.push_back(blocked && sensed);
+      masks.charted.blocked[cell] = blocked && !sensed;
+      masks.sensed.blocked[cell++] = blocked && sensed;
     }
   }
   return masks;
@@ -67,13 +71,16 @@ struct Run {
 
 std::vector<Run> runs_of(const Mask& mask, int row) {
   std::vector<Run> runs;
-  for (int c = 0; c < mask.width; ++c) {
-    if (!mask.at(c, row)) continue;
-    if (!runs.empty() && runs.back().east == c) {
-      ++runs.back().east;
-    } else {
-      runs.push_back({c, c + 1});
-    }
+  const std::uint8_t* const west = &mask.blocked[static_cast<std::size_t>(row) * static_cast<std::size_t>(mask.width)];
+  const std::uint8_t* const east = west + mask.width;
+  const auto next = [east](const std::uint8_t* from, int value) {
+    const void* found = std::memchr(from, value, static_cast<std::size_t>(east - from));
+    return found != nullptr ? static_cast<const std::uint8_t*>(found) : east;
+  };
+  for (const std::uint8_t* cell = next(west, 1); cell != east;) {
+    const std::uint8_t* const end = next(cell, 0);
+    runs.push_back({static_cast<int>(cell - west), static_cast<int>(end - west)});
+    cell = next(end, 1);
   }
   return runs;
 }
