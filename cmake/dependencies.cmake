@@ -11,6 +11,7 @@ find_package(embree 3 REQUIRED)
 find_package(assimp REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(Snappy REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -36,4 +37,15 @@ if(NOT ISOBATH_OPENVDB STREQUAL OFF AND NOT ISOBATH_SANITIZE AND NOT TARGET Open
   elseif(ISOBATH_OPENVDB STREQUAL ON)
     message(FATAL_ERROR "ISOBATH_OPENVDB is ON, but OpenVDB, TBB or Imath is not found (Debian: libopenvdb-dev)")
   endif()
+endif()
+
+# OpenCV calibrates cameras (isobath stereo --calibrate) and is measured beside our matcher. Its own module comes with all of OpenCV.
+find_path(ISOBATH_OPENCV_HEADERS opencv2/calib3d.hpp PATH_SUFFIXES opencv4)
+find_library(ISOBATH_OPENCV_CORE opencv_core)
+find_library(ISOBATH_OPENCV_IMGPROC opencv_imgproc)
+find_library(ISOBATH_OPENCV_CALIB3D opencv_calib3d)
+if(ISOBATH_OPENCV_HEADERS AND ISOBATH_OPENCV_CORE AND ISOBATH_OPENCV_IMGPROC AND ISOBATH_OPENCV_CALIB3D AND NOT TARGET isobath_opencv)
+  add_library(isobath_opencv INTERFACE IMPORTED)
+  set_target_properties(isobath_opencv PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${ISOBATH_OPENCV_HEADERS}
+                        INTERFACE_LINK_LIBRARIES "${ISOBATH_OPENCV_CALIB3D};${ISOBATH_OPENCV_IMGPROC};${ISOBATH_OPENCV_CORE}")
 endif()

@@ -39,6 +39,7 @@ Action add_calibrate(CLI::App& program);
 Action add_delay(CLI::App& program);
 Action add_helix(CLI::App& program);
 Action add_sphere(CLI::App& program);
+Action add_stereo(CLI::App& program);
 Action add_track(CLI::App& program);
 Action add_traffic(CLI::App& program);
 Action add_config(CLI::App& program);

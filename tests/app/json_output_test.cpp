@@ -238,6 +238,12 @@ TEST_F(JsonOutput, OfCompareAndOfTheStudies) {
   compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--drift", "1", "--closer", "2", "--out",
                      folder_ / "sphere"});
   EXPECT_THAT(page_.never_came_out("sphere"), IsEmpty());
+  const fs::path cameras = source_folder() / "scenarios" / "cameras";
+  for (const char* rig : {"pair_256.toml", "moving_camera.toml"}) {
+    compare("stereo", {"stereo", "--scene", cameras / "reef_wall.toml", "--calibration", cameras / rig, "--out",
+                       folder_ / "stereo", "--set", "motion_stereo.every=8"});
+  }
+  EXPECT_THAT(page_.never_came_out("stereo"), IsEmpty());
   std::string boat = "time,north,east,id,course_deg,speed_mps\nnever,0,0,a,0,1\n";
   for (int t = 0; t < 20; ++t) boat += std::to_string(t) + ',' + std::to_string(t) + ",0,a,0,1\n";
   compare("track", {"track", file("boat.csv", boat), "--out", folder_ / "track"});
@@ -270,6 +276,7 @@ TEST_F(JsonOutput, OfEval) {
 TEST_F(JsonOutput, OfSettings) {
   compare("settings", {"config"});
   compare("settings", {"helix", "--settings"});
+  compare("settings", {"stereo", "--settings"});
   compare("settings", {"track", "--settings"});
   compare("settings", {"sim", "--format"});
   const json plain = printed({"config", "--plain", "--set", "input.sound_speed=1475"});

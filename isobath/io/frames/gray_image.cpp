@@ -87,23 +87,28 @@ bool read_rows(Reading& r, std::size_t file_bytes) {
   return true;
 }
 
-bool write_rows(Writing& w, const GrayImage& image) {
+struct RowsToWrite {
+  int width, height, channels, sample_bytes;
+  const std::uint8_t* samples;
+};
+
+bool write_rows(Writing& w, const RowsToWrite& image) {
   if (setjmp(png_jmpbuf(w.png))) return false;
   png_set_write_fn(w.png, &w, take, flush_nothing);
   png_set_IHDR(w.png, w.info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
-               8 * image.sample_bytes, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+               8 * image.sample_bytes, image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(w.png, w.info);
   if (image.sample_bytes == 2) png_set_swap(w.png);
-  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * image.sample_bytes;
-  for (int y = 0; y < image.height; ++y) png_write_row(w.png, image.samples.data() + y * row_bytes);
+  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * image.channels * image.sample_bytes;
+  for (int y = 0; y < image.height; ++y) png_write_row(w.png, image.samples + y * row_bytes);
   png_write_end(w.png, nullptr);
   return true;
 }
 
 }  // namespace
 
-GrayImage parse_gray_png(std::span<const std::uint8_t> bytes, const std::string& file) {
+PngRows parse_png(std::span<const std::uint8_t> bytes, const std::string& file) {
   if (bytes.size() < 8 || png_sig_cmp(bytes.data(), 0, 8) != 0)
     throw Error("not a PNG picture", {file, {}, {}, {}, {}});
   Reading r;
@@ -114,18 +119,25 @@ GrayImage parse_gray_png(std::span<const std::uint8_t> bytes, const std::string&
   if (!read_rows(r, bytes.size())) {
     throw Error("damaged PNG: " + r.problem, {file, bytes.size() - r.left.size(), {}, {}, {}});
   }
+  return {static_cast<int>(png_get_image_width(r.png, r.info)), static_cast<int>(png_get_image_height(r.png, r.info)),
+          r.channels, png_get_bit_depth(r.png, r.info) / 8, std::move(r.rows)};
+}
+
+GrayImage parse_gray_png(std::span<const std::uint8_t> bytes, const std::string& file) {
+  PngRows rows = parse_png(bytes, file);
   GrayImage image;
-  image.width = static_cast<int>(png_get_image_width(r.png, r.info));
-  image.height = static_cast<int>(png_get_image_height(r.png, r.info));
-  image.sample_bytes = png_get_bit_depth(r.png, r.info) / 8;
-  const std::size_t pixel = static_cast<std::size_t>(r.channels) * image.sample_bytes;
-  if (r.channels == 1) {
-    image.samples = std::move(r.rows);
+  image.width = rows.width;
+  image.height = rows.height;
+  image.sample_bytes = rows.sample_bytes;
+  const std::size_t pixel = static_cast<std::size_t>(rows.channels) * image.sample_bytes;
+  if (rows.channels == 1) {
+    image.samples = std::move(rows.samples);
     return image;
   }
-  image.samples.reserve(r.rows.size() / r.channels);
-  for (std::size_t at = 0; at < r.rows.size(); at += pixel) {
-    image.samples.insert(image.samples.end(), r.rows.begin() + at, r.rows.begin() + at + image.sample_bytes);
+  image.samples.reserve(rows.samples.size() / rows.channels);
+  for (std::size_t at = 0; at < rows.samples.size(); at += pixel) {
+    image.samples.insert(image.samples.end(), rows.samples.begin() + at,
+                         rows.samples.begin() + at + image.sample_bytes);
   }
   return image;
 }
@@ -134,15 +146,22 @@ GrayImage read_gray_png(const std::filesystem::path& file) {
   return parse_gray_png(read_whole_file(file, kMaxFileBytes), file.string());
 }
 
-std::vector<std::uint8_t> gray_png_bytes(const GrayImage& image) {
-  ISOBATH_ASSERT(image.width > 0 && image.height > 0 && (image.sample_bytes == 1 || image.sample_bytes == 2));
-  ISOBATH_ASSERT(image.samples.size() == static_cast<std::size_t>(image.width) * image.height * image.sample_bytes);
+std::vector<std::uint8_t> png_bytes(int width, int height, int channels, int sample_bytes,
+                                    std::span<const std::uint8_t> samples) {
+  ISOBATH_ASSERT(width > 0 && height > 0 && (sample_bytes == 1 || sample_bytes == 2) &&
+                 (channels == 1 || channels == 3));
+  ISOBATH_ASSERT(samples.size() == static_cast<std::size_t>(width) * height * channels * sample_bytes);
   Writing w;
   w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, keep_problem<Writing>, ignore_warning);
   w.info = w.png ? png_create_info_struct(w.png) : nullptr;
   ISOBATH_ASSERT(w.info);
-  if (!write_rows(w, image)) throw Error("cannot be written as PNG: " + w.problem);
+  if (!write_rows(w, {width, height, channels, sample_bytes, samples.data()}))
+    throw Error("cannot be written as PNG: " + w.problem);
   return std::move(w.bytes);
+}
+
+std::vector<std::uint8_t> gray_png_bytes(const GrayImage& image) {
+  return png_bytes(image.width, image.height, 1, image.sample_bytes, image.samples);
 }
 
 void write_gray_png(const std::filesystem::path& file, const GrayImage& image) {

@@ -28,6 +28,18 @@ struct GrayImage {
   bool operator==(const GrayImage&) const = default;
 };
 
+/// All channels of a PNG file as stored.
+struct PngRows {
+  int width = 0, height = 0;
+  int channels = 1;                   ///< 1: grey, 2: grey and alpha, 3: colour, 4: colour and alpha
+  int sample_bytes = 1;               ///< 1 or 2
+  std::vector<std::uint8_t> samples;  ///< rows from the top; little-endian if sample_bytes is 2
+};
+PngRows parse_png(std::span<const std::uint8_t> bytes, const std::string& file);
+/// Grey (1 channel) or colour (3 channels).
+std::vector<std::uint8_t> png_bytes(int width, int height, int channels, int sample_bytes,
+                                    std::span<const std::uint8_t> samples);
+
 GrayImage parse_gray_png(std::span<const std::uint8_t> bytes, const std::string& file);
 GrayImage read_gray_png(const std::filesystem::path& file);
 

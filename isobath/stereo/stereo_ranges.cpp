@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/stereo/stereo_ranges.hpp>
+
+namespace isobath {
+
+using Eigen::Vector3d;
+
+std::vector<StereoPoint> stereo_points(const DisparityMap& map, const PairGeometry& geometry, double sigma_disparity) {
+  std::vector<StereoPoint> points;
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      const float d = map(column, row);
+      if (!std::isfinite(d)) continue;
+      const auto p = geometry.point(column, row, d);
+      if (p) points.push_back({column, row, *p, geometry.sigma_z(p->z(), sigma_disparity)});
+    }
+  }
+  return points;
+}
+
+std::vector<StereoReading> stereo_readings(const DisparityMap& map, const PairGeometry& geometry,
+                                           double sigma_disparity, const Pose& X_BV, Time time, int cell,
+                                           double max_range_m) {
+  const std::vector<StereoPoint> points = stereo_points(map, geometry, sigma_disparity);
+  const int columns = (map.width + cell - 1) / cell, rows = (map.height + cell - 1) / cell;
+  std::vector<std::vector<const StereoPoint*>> cells(static_cast<std::size_t>(columns * rows));
+  for (const StereoPoint& point : points) {
+    cells[static_cast<std::size_t>(point.row / cell * columns + point.column / cell)].push_back(&point);
+  }
+  std::vector<StereoReading> readings;
+  for (auto& inside : cells) {
+    if (static_cast<int>(inside.size()) * 2 < cell * cell) continue;
+    const auto middle = inside.begin() + static_cast<std::ptrdiff_t>(inside.size() / 2);
+    std::nth_element(inside.begin(), middle, inside.end(), [](const StereoPoint* a, const StereoPoint* b) {
+      return std::pair(a->p_V.norm(), a->column + a->row) < std::pair(b->p_V.norm(), b->column + b->row);
+    });
+    const StereoPoint& point = **middle;
+    const double range = point.p_V.norm();
+    if (range > max_range_m) continue;
+    const Vector3d p(point.p_V.z(), point.p_V.x(), point.p_V.y());  // forward, starboard, down
+    const Angle heading = Angle::radians(std::atan2(p.y(), p.x()));
+    const Angle pitch = Angle::radians(-std::atan2(p.z(), std::hypot(p.x(), p.y())));
+    StereoReading one;
+    one.reading.time = time;
+    one.reading.range_m = range;
+    one.reading.max_range_m = max_range_m;
+    one.reading.width = Angle::radians(2 * std::atan(0.5 * cell / geometry.pair().focal_px));
+    one.reading.X_BS = {X_BV.rotation * Rotation::from_heading_pitch_roll(heading, pitch, {}), X_BV.translation};
+    one.sigma_m = point.sigma_z_m * range / point.p_V.z();
+    readings.push_back(one);
+  }
+  return readings;
+}
+
+}  // namespace isobath
