@@ -10,7 +10,7 @@ std::vector<Command> add_commands(CLI::App& program) {
       {"Runs and simulations", {add_run, add_serve, add_sim, add_eval}},
       {"Logs and maps", {add_info, add_convert, add_compare, add_crosscheck, add_path}},
       {"Calibration and studies",
-       {add_calibrate, add_delay, add_helix, add_sphere, add_stereo, add_track, add_traffic}},
+       {add_calibrate, add_control, add_delay, add_helix, add_sphere, add_stereo, add_track, add_traffic}},
       {"Settings and help", {add_config, add_help}}};
   std::vector<Command> commands;
   for (const auto& [group, makers] : groups) {

@@ -38,6 +38,7 @@ Action add_path(CLI::App& program);
 Action add_calibrate(CLI::App& program);
 Action add_delay(CLI::App& program);
 Action add_helix(CLI::App& program);
+Action add_control(CLI::App& program);
 Action add_sphere(CLI::App& program);
 Action add_stereo(CLI::App& program);
 Action add_track(CLI::App& program);

@@ -7,6 +7,7 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/settings_json.hpp>
 #include <isobath/app/values.hpp>
+#include <isobath/base/error.hpp>
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
@@ -73,6 +74,10 @@ void print(const EvaluationRequest& request, const Evaluation& evaluation) {
 
 int act(EvalOptions& options) {
   EvaluationRequest& request = options.request;
+  if (options.suite == "control" && !std::filesystem::exists(options.suite)) {
+    throw Error("control is a study of trials, not a suite of missions", {}, {},
+                "isobath control compares the kinds of control; isobath eval clutter-control flies missions");
+  }
   const Configuration configuration = options.config.read();
   const std::string name = std::filesystem::path(options.suite).stem().string();
   // The runs of one variant get their own folder, so that those of the whole suite are kept.

@@ -45,20 +45,26 @@ std::vector<Field> about_fields(SuiteConfig& c, AltimeterChoice& altimeter) {
 }
 
 std::vector<Field> vary_fields(VariationConfig& c) {
-  return {Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
-          Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
-          Field::real("current", &c.current, {0, 2}, "m/s",
-                      "Maximum speed of the current, in any direction. In suites of faults it is added to the current "
-                      "of the scene, else it replaces it."),
-          Field::numbers("drift", c.drift.data(), 2, {0, 0.5}, "1",
-                         "Minimum and maximum drift of the navigation, as a share of the distance travelled; needs "
-                         "navigation.kind drift."),
-          Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1",
-                         "Minimum and maximum factor on the noise of the sonars."),
-          Field::numbers("density", c.density.data(), 2, {0, 10}, "1",
-                         "Minimum and maximum factor on the density of the clutter."),
-          Field::numbers("lost_s", c.lost_s.data(), 2, {0, 1e5}, "s",
-                         "Minimum and maximum time at which a group with loses_vehicle loses one.")};
+  return {
+      Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
+      Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
+      Field::real("current", &c.current, {0, 2}, "m/s",
+                  "Maximum speed of the current, in any direction. In suites of faults it is added to the current "
+                  "of the scene, else it replaces it."),
+      Field::numbers("drift", c.drift.data(), 2, {0, 0.5}, "1",
+                     "Minimum and maximum drift of the navigation, as a share of the distance travelled; needs "
+                     "navigation.kind drift."),
+      Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1",
+                     "Minimum and maximum factor on the noise of the sonars."),
+      Field::numbers("density", c.density.data(), 2, {0, 10}, "1",
+                     "Minimum and maximum factor on the density of the clutter."),
+      Field::numbers("plant_mass", c.plant_mass.data(), 2, {0.1, 10}, "1",
+                     "Minimum and maximum factor on the mass of a dynamic vehicle, which its control does not know."),
+      Field::numbers("plant_drag", c.plant_drag.data(), 2, {0, 10}, "1",
+                     "Minimum and maximum factor on its drag, likewise."),
+      Field::real("plant_buoyancy", &c.plant_buoyancy, {0, 1e5}, "N", "Half width of its buoyancy, likewise."),
+      Field::numbers("lost_s", c.lost_s.data(), 2, {0, 1e5}, "s",
+                     "Minimum and maximum time at which a group with loses_vehicle loses one.")};
 }
 
 std::vector<Field> bar_fields(BarsConfig& c) {
@@ -121,6 +127,8 @@ void check_suite(Suite& s, const std::string& file) {
   }
   s.variants = variants_of(s.axes);
   ordered("vary.lost_s", s.vary.lost_s);
+  ordered("vary.plant_mass", s.vary.plant_mass);
+  ordered("vary.plant_drag", s.vary.plant_drag);
   ordered("vary.drift", s.vary.drift);
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
@@ -214,6 +222,17 @@ void draw_loss_of_vehicle(Random random, const VariationConfig& vary, SuiteRun& 
   (which == 0 ? scene.vehicle.lost_s : scene.group[which - 1].lost_s) = at_s;
   run.conditions +=
       fmt::format("; {} is lost after {:.0f} s", which == 0 ? scene.vehicle.name : scene.group[which - 1].name, at_s);
+}
+
+void draw_plant(Random random, const VariationConfig& vary, SuiteRun& run) {
+  const VariationConfig none;
+  if (vary.plant_mass == none.plant_mass && vary.plant_drag == none.plant_drag && vary.plant_buoyancy == 0) return;
+  PlantDifference& plant = run.scenario.scene.plant;
+  plant.mass *= random.uniform(vary.plant_mass[0], vary.plant_mass[1]);
+  plant.drag *= random.uniform(vary.plant_drag[0], vary.plant_drag[1]);
+  plant.buoyancy += vary.plant_buoyancy * random.uniform(-1, 1);
+  run.conditions +=
+      fmt::format("; plant: mass x {:.2f}, drag x {:.2f}, buoyancy {:+.1f} N", plant.mass, plant.drag, plant.buoyancy);
 }
 
 /// From its start straight to the first mission point.
@@ -429,6 +448,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   if (suite.replay.on) add_traffic(suite, replay_seed, run);
   if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
   if (loses_vehicle) draw_loss_of_vehicle(random.fork(), suite.vary, run);
+  draw_plant(random.fork(), suite.vary, run);
   return run;
 }
 

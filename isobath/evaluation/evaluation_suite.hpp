@@ -20,8 +20,9 @@
 //
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
 // reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
-// noise level of the sonars, field of obstacles, encounters, replayed traffic. Each of these has a random stream of its
-// own; values are uniform. In a group each vehicle has a start of its own; the vehicle that is lost is drawn last.
+// noise level of the sonars, field of obstacles, encounters, replayed traffic, the vehicle of a group that is lost,
+// plant. Each of these has a random stream of its own; values are uniform. In a group each vehicle has a start of its
+// own.
 #pragma once
 
 #include <cstdint>
@@ -72,10 +73,13 @@ struct SuiteConfig {
 struct VariationConfig {
   Eigen::Vector2d start = {0, 0};  ///< north, east, m
   Angle heading;
-  double current = 0;                  ///< maximum, m/s, any direction; in suites of faults added to that of the scene
-  Eigen::Vector2d drift = {0, 0};      ///< share of the distance travelled, with a navigator of the kind `drift`
-  Eigen::Vector2d noise = {1, 1};      ///< factor on the noise of all sonars
-  Eigen::Vector2d density = {1, 1};    ///< factor on the density of the clutter
+  double current = 0;                   ///< maximum, m/s, any direction; in suites of faults added to that of the scene
+  Eigen::Vector2d drift = {0, 0};       ///< share of the distance travelled, with a navigator of the kind `drift`
+  Eigen::Vector2d noise = {1, 1};       ///< factor on the noise of all sonars
+  Eigen::Vector2d density = {1, 1};     ///< factor on the density of the clutter
+  Eigen::Vector2d plant_mass = {1, 1};  ///< factors on those of the vehicle file (PlantDifference)
+  Eigen::Vector2d plant_drag = {1, 1};
+  double plant_buoyancy = 0;           ///< N
   Eigen::Vector2d lost_s = {60, 200};  ///< when a vehicle of a group is lost, s
 };
 

@@ -86,7 +86,8 @@ std::string nearest_variant(const std::vector<std::string>& variants, std::vecto
 std::vector<Field> fields(SuiteVehicle& v) {
   return {Field::text("name", &v.name, "The part of a variant's name that stands for this vehicle; empty: file name."),
           Field::file("file", &v.file, "Vehicle file."),
-          Field::real("speed", &v.speed, {0.01, 30}, "m/s", "Speed of its missions.")};
+          Field::real("speed", &v.speed, {0.01, 30}, "m/s", "Speed of its missions."),
+          control_field(v.control, "Control of the vehicle; file: as the scene has it.")};
 }
 
 std::vector<Field> fields(SuiteGroup& g) {
@@ -154,6 +155,7 @@ void apply(const SuiteVariant& variant, Scenario& scenario) {
   Scene& scene = scenario.scene;
   if (variant.vehicle) {
     scene.vehicle.file = variant.vehicle->file;
+    if (variant.vehicle->control) scene.vehicle.control = variant.vehicle->control;
     scene.vehicle.speed = scenario.mission.speed = variant.vehicle->speed;
   }
   if (variant.group) {

@@ -21,7 +21,8 @@ struct SuiteVehicle {
   Place place;
   std::string name;  ///< empty: the file name without its extension
   std::string file;
-  double speed = 1.5;  ///< m/s
+  double speed = 1.5;                       ///< m/s
+  std::optional<ControlKind> control = {};  ///< empty: that of the scene
 };
 std::vector<Field> fields(SuiteVehicle& vehicle);
 

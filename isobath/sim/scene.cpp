@@ -74,6 +74,7 @@ std::vector<Field> vehicle_fields(VehicleConfig& c) {
       Field::file("file", &c.file, "Vehicle file; empty: a point that follows the way-points exactly."),
       Field::flag("dynamic", &c.dynamic,
                   "Whether the vehicle has six degrees of freedom; false: it follows its set-points within limits."),
+      control_field(c.control, "Control of a dynamic vehicle; file: as its file has it."),
       Field::numbers("start", c.start.data(), 3, kMetres, "m", "Start position: north, east, depth."),
       Field::degrees("heading_deg", &c.heading, {-360, 360}, "Heading at the start."),
       Field::real("speed", &c.speed, {0, 10}, "m/s", "Speed through the water."),
@@ -275,6 +276,9 @@ void check(const Scene& scene) {
     check_file(scene.bottom.file, scene.bottom.place, "file");
   }
   if (!scene.vehicle.file.empty()) check_file(scene.vehicle.file, scene.vehicle.place, "file");
+  if (!scene.vehicle.dynamic && scene.plant != PlantDifference{}) {
+    refuse(scene.vehicle.place, "dynamic", "[plant] has no effect on a vehicle that follows its set-points", "true");
+  }
   if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
   }
@@ -360,6 +364,7 @@ Schema schema(Scene& s) {
                   {"water", "The water and its acoustic properties.", fields(s.water)},
                   {"bottom", "The bottom.", bottom_fields(s.bottom)},
                   {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)},
+                  {"plant", "How a dynamic vehicle differs from its file, which its control has.", fields(s.plant)},
                   {"navigation", "The navigator of the vehicle.", fields(s.navigator)},
                   {"hydrophones", "The passive array of the vehicle.", fields(s.hydrophones)},
                   {"acoustic_link", "The modems of the vehicles of a group.", fields(s.link)}};

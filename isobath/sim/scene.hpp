@@ -24,6 +24,7 @@
 #include <isobath/sim/sonar_config.hpp>
 #include <isobath/sim/sound_config.hpp>
 #include <isobath/sim/water.hpp>
+#include <isobath/vehicle/plant_difference.hpp>
 #include <optional>
 #include <string>
 #include <variant>
@@ -117,6 +118,7 @@ struct VehicleConfig {
   std::string name = "vehicle";
   std::string file = {};  ///< vehicle file; empty: a body of half a metre that turns instantly
   bool dynamic = false;
+  std::optional<ControlKind> control = {};  ///< empty: that of the vehicle file
   Eigen::Vector3d start = {0, 0, 1};
   Angle heading = {};
   double speed = 1.5;
@@ -160,6 +162,7 @@ struct Scene {
   BottomConfig bottom;
   std::vector<Body> bodies;
   VehicleConfig vehicle;
+  PlantDifference plant;            ///< of the simulated vehicle from its file
   std::vector<GroupVehicle> group;  ///< the vehicles beside it
   AcousticLinkConfig link;          ///< between the vehicles
   std::vector<WaypointConfig> waypoints;

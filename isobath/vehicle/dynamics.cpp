@@ -66,6 +66,15 @@ VehicleDynamics::VehicleDynamics(const VehicleModel& model, const VehicleState& 
   set_density(model_.reference_density);
 }
 
+void VehicleDynamics::set_model(const VehicleModel& model) {
+  check_vehicle(model);
+  ISOBATH_ASSERT(model.actuators() == actuators_.size());
+  model_ = model;
+  wrenches_ = wrenches_of(model);
+  set_density(density_);
+  dt_ = 0;  // time constants may have changed
+}
+
 void VehicleDynamics::set_density(double density) {
   ISOBATH_ASSERT(density > 0);
   density_ = density;

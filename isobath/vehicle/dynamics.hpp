@@ -39,6 +39,9 @@ class VehicleDynamics {
   [[nodiscard]] const VehicleState& state() const { return state_; }
   void set_state(const VehicleState& state) { state_ = state; }
   [[nodiscard]] const VehicleModel& model() const { return model_; }
+  /// From now on a plant with other parameters and the same actuators, as after a change of payload; the state and the
+  /// thrusts in force stay. Throws Error if the model is not physical.
+  void set_model(const VehicleModel& model);
   /// Thrusts and deflections in force, before their effectiveness.
   [[nodiscard]] const ActuatorVector& actuators() const { return actuators_; }
   /// 1: as in the file; 0: no effect.

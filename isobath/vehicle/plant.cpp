@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
+#include <isobath/vehicle/adaptive_autopilot.hpp>
+#include <isobath/vehicle/pid_autopilot.hpp>
 #include <isobath/vehicle/plant.hpp>
 
 namespace isobath {
@@ -18,6 +20,12 @@ double ramp(double& value, double target, double rate, double dt) {
 
 }  // namespace
 
+// Here, above the kinds of control, which include autopilot.hpp.
+std::unique_ptr<Autopilot> make_autopilot(const VehicleModel& model) {
+  if (model.autopilot.control == ControlKind::kPid) return std::make_unique<PidAutopilot>(model);
+  return std::make_unique<AdaptiveAutopilot>(model);
+}
+
 void DynamicVehicle::step(const Setpoint& setpoint, const WaterConditions& water, double dt) {
   ISOBATH_ASSERT(dt > 0);
   const int parts = std::max(1, static_cast<int>(std::ceil(dt / kLongestStep - 1e-9)));
@@ -25,7 +33,9 @@ void DynamicVehicle::step(const Setpoint& setpoint, const WaterConditions& water
   for (int i = 0; i < parts; ++i) {
     const VehicleState& s = dynamics_.state();
     const double flow = (s.v_B - s.X_WB.rotation.inverse() * water.current_W).x();
-    dynamics_.step(autopilot_.update(setpoint, s, flow, part), water, part);
+    const ActuatorVector commands = autopilot_->update(setpoint, s, flow, part);
+    const Vector6 pull = tether_m_ > 0 ? tether_wrench(tether_m_, s, water) : Vector6::Zero();
+    dynamics_.step(commands, water, part, pull);
   }
 }
 
@@ -88,9 +98,10 @@ void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions& wat
   state_.w_B = {-turned / dt * std::sin(pitch), 0, turned / dt * std::cos(pitch)};
 }
 
-std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial) {
+std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial,
+                                         const PlantDifference& difference) {
   if (kind == PlantKind::kKinematic) return std::make_unique<KinematicVehicle>(model, initial);
-  return std::make_unique<DynamicVehicle>(model, initial);
+  return std::make_unique<DynamicVehicle>(model, initial, difference);
 }
 
 }  // namespace isobath

@@ -1,6 +1,7 @@
 // VehiclePlant: the interface of a vehicle that follows set-points (ledger S7-14).
 //
-// DynamicVehicle is VehicleDynamics under an Autopilot: actuators, inertia, current and density all act.
+// DynamicVehicle is VehicleDynamics under an Autopilot: actuators, inertia, current and density all act. Its plant may
+// differ from the vehicle file that the autopilot has (PlantDifference).
 // KinematicVehicle follows set-points exactly within the limits of the vehicle file: arcs and straight lines through
 // the water, without actuators and inertia; it is for scenes that need a path and no dynamics. Set-points are over
 // ground, as an autopilot holds them. The water moves the vehicle where the vehicle cannot compensate: a current across
@@ -11,6 +12,7 @@
 #pragma once
 
 #include <isobath/vehicle/autopilot.hpp>
+#include <isobath/vehicle/plant_difference.hpp>
 #include <memory>
 
 namespace isobath {
@@ -33,18 +35,22 @@ class DynamicVehicle final : public VehiclePlant {
  public:
   static constexpr double kLongestStep = 0.02;  ///< s; longer steps are divided
 
-  explicit DynamicVehicle(const VehicleModel& model, const VehicleState& initial = {})
-      : dynamics_(model, initial), autopilot_(model) {}
+  explicit DynamicVehicle(const VehicleModel& model, const VehicleState& initial = {},
+                          const PlantDifference& difference = {})
+      : dynamics_(different_plant(model, difference), initial),
+        autopilot_(make_autopilot(model)),
+        tether_m_(difference.tether_m) {}
 
   [[nodiscard]] const VehicleState& state() const override { return dynamics_.state(); }
   void step(const Setpoint& setpoint, const WaterConditions& water, double dt) override;
-  [[nodiscard]] ActuatorVector commands() const override { return autopilot_.allocation().commands; }
+  [[nodiscard]] ActuatorVector commands() const override { return autopilot_->allocation().commands; }
   VehicleDynamics& dynamics() { return dynamics_; }
-  Autopilot& autopilot() { return autopilot_; }
+  Autopilot& autopilot() { return *autopilot_; }
 
  private:
   VehicleDynamics dynamics_;
-  Autopilot autopilot_;
+  std::unique_ptr<Autopilot> autopilot_;
+  double tether_m_;
 };
 
 class KinematicVehicle final : public VehiclePlant {
@@ -66,6 +72,8 @@ class KinematicVehicle final : public VehiclePlant {
 
 enum class PlantKind { kDynamic, kKinematic };
 
-std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial = {});
+/// A kinematic vehicle has no forces; `difference` does not act on it.
+std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial = {},
+                                         const PlantDifference& difference = {});
 
 }  // namespace isobath

@@ -253,14 +253,37 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
 
 }  // namespace
 
+const char* to_text(ControlKind control) {
+  switch (control) {
+    case ControlKind::kPid: return "pid";
+    case ControlKind::kModel: return "model";
+    case ControlKind::kAdaptive: return "adaptive";
+  }
+  return "";
+}
+
+Field control_field(std::optional<ControlKind>& control, std::string sentence) {
+  std::vector<std::pair<std::string, std::optional<ControlKind>>> names = {{"file", std::nullopt}};
+  for (const ControlKind kind : kControlKinds) names.emplace_back(to_text(kind), kind);
+  return Field::choice("control", &control, names, std::move(sentence));
+}
+
 std::vector<Field> fields(AutopilotConfig& c) {
+  std::vector<std::pair<std::string, ControlKind>> names;
+  for (const ControlKind kind : kControlKinds) names.emplace_back(to_text(kind), kind);
   return {
+      Field::choice("control", &c.control, names,
+                    "pid: cascaded loops. model: a law with the parameters of this file. adaptive: the same law, which "
+                    "estimates the parameters under way."),
       Field::choice("depth_by", &c.depth_by, {{"heave", DepthBy::kHeave}, {"pitch", DepthBy::kPitch}},
                     "How the vehicle changes depth: by heave, or by pitch."),
       Field::real("speed_bandwidth", &c.speed_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of the speed loops."),
       Field::real("heading_bandwidth", &c.heading_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of the heading loop."),
       Field::real("depth_bandwidth", &c.depth_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of the depth loop."),
       Field::real("attitude_bandwidth", &c.attitude_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of roll and pitch."),
+      Field::real("force_bandwidth", &c.force_bandwidth, {0.01, 20}, "rad/s",
+                  "Bandwidth with which control by model and adaptive control act against forces along the axes; a "
+                  "higher one holds the position better and passes on more noise."),
       Field::real("integral_rate", &c.integral_rate, {0, 5}, "rad/s", "Rate of the integral action."),
       Field::degrees("max_pitch_deg", &c.max_pitch, {0.1, 80}, "Maximum pitch set-point."),
       Field::real("min_flow", &c.min_flow, {0.01, 10}, "m/s", "Minimum flow over the fins; kept under way."),

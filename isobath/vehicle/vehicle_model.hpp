@@ -17,9 +17,11 @@
 // valid. Immutable after loading; may be shared by threads.
 #pragma once
 
+#include <cstdint>
 #include <Eigen/Core>
 #include <isobath/base/angle.hpp>
 #include <isobath/base/config.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,18 +73,27 @@ struct VehicleLimits {
 
 enum class DepthBy { kHeave, kPitch };
 
+/// The kinds of control (autopilot.hpp).
+enum class ControlKind : std::uint8_t { kPid, kModel, kAdaptive };
+inline constexpr ControlKind kControlKinds[] = {ControlKind::kPid, ControlKind::kModel, ControlKind::kAdaptive};
+
 /// The bandwidth of each loop: gains follow from the vehicle's own inertia.
 struct AutopilotConfig {
+  ControlKind control = ControlKind::kPid;
   DepthBy depth_by = DepthBy::kHeave;
   double speed_bandwidth = 1;  ///< rad/s, of each loop
   double heading_bandwidth = 1;
   double depth_bandwidth = 0.5;
   double attitude_bandwidth = 2;  ///< roll and pitch
+  double force_bandwidth = 1;     ///< rad/s, of the feedback on speeds of control by model and adaptive control
   double integral_rate = 0.1;     ///< rad/s, of the integral action of all loops
   Angle max_pitch = Angle::degrees(20);
   double min_flow = 0.5;  ///< m/s through the water: minimum flow that fins are computed for, and kept under way
 };
 
+const char* to_text(ControlKind control);
+/// A setting that takes the place of the vehicle file's control; its value "file", empty: the file's stays.
+Field control_field(std::optional<ControlKind>& control, std::string sentence);
 std::vector<Field> fields(AutopilotConfig& config);
 
 struct VehicleModel {

@@ -21,7 +21,7 @@ std::map<std::string, std::set<std::string>> options_in_help() {
     const std::string name = (*i)[1], help = test::isobath({"help", name}).out;
     for (std::sregex_iterator o(help.begin(), help.end(), option); o != end; ++o) all[name].insert((*o)[1]);
   }
-  EXPECT_EQ(all.size(), 18u);
+  EXPECT_EQ(all.size(), 19u);
   return all;
 }
 
@@ -102,7 +102,8 @@ std::vector<std::string> offered(const std::vector<std::string>& words) {
 
 TEST(Completion, OfBashOffersCommandsOptionsAndValues) {
   EXPECT_THAT(offered({"ru"}), ElementsAre("run"));
-  EXPECT_THAT(offered({"c"}), testing::UnorderedElementsAre("convert", "compare", "crosscheck", "calibrate", "config"));
+  EXPECT_THAT(offered({"c"}),
+              testing::UnorderedElementsAre("convert", "compare", "crosscheck", "calibrate", "config", "control"));
   EXPECT_THAT(offered({"run", "--thr"}), ElementsAre("--threads"));
   EXPECT_THAT(offered({"path", "--thre"}), ElementsAre("--threats", "--threat-weight")) << "path has no --threads";
   EXPECT_THAT(offered({"sphere", "room.toml", "--rule", ""}), ElementsAre("log_odds", "maximum_response"));

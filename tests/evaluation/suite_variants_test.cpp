@@ -90,6 +90,32 @@ TEST_F(Variants, OfOneSeedMeetTheSameWater) {
   EXPECT_EQ(make_run(one, scenes, 8).conditions, make_run(all, scenes, 8).conditions);
 }
 
+// The plant is drawn last, so that the other draws of a seed stay. ledger: S7-08
+TEST_F(Variants, DrawAPlantThatTheControlDoesNotKnow) {
+  const std::string vehicle = "[[vehicle]]\nname = \"learns\"\nfile = \"" +
+                              (test::source_folder() / "vehicles/remus100.toml").string() +
+                              "\"\ncontrol = \"adaptive\"\n";
+  const Suite plain = suite("[vary]\nstart = [1, 2]\n", vehicle);
+  const Suite s = suite(
+      "[vary]\nstart = [1, 2]\nplant_mass = [0.5, 1.5]\nplant_drag = [0.5, 1.5]\nplant_buoyancy = 3.5\n", vehicle);
+  const std::vector<Scenario> scenes = load_scenes(s);
+  double least = 2, most = 0;
+  for (std::uint64_t seed = 1; seed < 60; ++seed) {
+    const Scene& scene = make_run(s, scenes, seed).scenario.scene;
+    EXPECT_EQ(scene.vehicle.control, ControlKind::kAdaptive);
+    EXPECT_EQ(scene.vehicle.start, make_run(plain, scenes, seed).scenario.scene.vehicle.start);
+    least = std::min({least, scene.plant.mass, scene.plant.drag});
+    most = std::max({most, scene.plant.mass, scene.plant.drag});
+    EXPECT_LE(std::abs(scene.plant.buoyancy), 3.5);
+  }
+  EXPECT_GE(least, 0.5);
+  EXPECT_LT(least, 0.6);
+  EXPECT_GT(most, 1.4);
+  EXPECT_LE(most, 1.5);
+  EXPECT_THAT(make_run(s, scenes, 3).conditions, testing::HasSubstr("; plant: mass x "));
+  EXPECT_EQ(make_run(plain, scenes, 3).scenario.scene.plant, PlantDifference{});
+}
+
 TEST_F(Variants, AreSelectedByPartsOfTheirNames) {
   const Suite s = suite("altimeter = \"both\"\n", vehicles_ + sonars_);
   EXPECT_EQ(matching(s.variants, "rov").size(), 4u);

@@ -238,6 +238,39 @@ TEST(Scenes, MadeInCodeAreCheckedBeforeTheyRun) {
   EXPECT_NE(problem(scene).find("file: a dynamic vehicle needs its file"), std::string::npos) << problem(scene);
 }
 
+// ledger: S7-08 S7-13
+TEST(Scenes, SayHowThePlantDiffersAndWhichControlItHas) {
+  const std::string vehicle = "[vehicle]\nfile = \"" + (test::source_folder() / "vehicles/bluerov2.toml").string() +
+                              "\"\nstart = [0, 0, 5]\nspeed = 0.5\n";
+  const auto scene_of = [&](const std::string& more) {
+    Scene scene = parse_scene("[scene]\nduration_s = 8\n[water]\ndensity = 1000\n" + vehicle + more, "box.toml");
+    check(scene);
+    return scene;
+  };
+  EXPECT_FALSE(scene_of("").vehicle.control);
+  const Scene scene = scene_of("dynamic = true\ncontrol = \"adaptive\"\n[plant]\nbuoyancy = -20\nmass = 1.2\n");
+  EXPECT_EQ(vehicle_model_of(scene).autopilot.control, ControlKind::kAdaptive);
+  EXPECT_EQ(scene.plant, (PlantDifference{.mass = 1.2, .buoyancy = -20}));
+  const auto deepest = [](const Scene& of) {
+    Simulator simulator(of);
+    double depth = 0;
+    while (simulator.next()) depth = std::max(depth, simulator.state().X_WB.translation.z());
+    return depth;
+  };
+  Scene as_filed = scene, by_model = scene;
+  as_filed.plant = {};
+  by_model.vehicle.control = ControlKind::kModel;
+  EXPECT_LT(deepest(as_filed), 5.02);
+  EXPECT_GT(deepest(scene), 5.05) << "the control does not know of the plant";
+  EXPECT_GT(deepest(by_model), deepest(scene) + 0.1);
+  try {
+    scene_of("[plant]\nmass = 2\n");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("vehicle.dynamic: [plant] has no effect"), std::string::npos) << e.what();
+  }
+}
+
 TEST(Scenes, MoveBodiesStraightBetweenTheRowsOfTheirPaths) {
   Body body;
   EXPECT_TRUE(displacement(body, 5).isZero());

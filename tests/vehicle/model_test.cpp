@@ -97,6 +97,10 @@ TEST(VehicleModel, RefusesWhatIsNotPhysicalWithItsLine) {
 // ledger: S7-13
 TEST(VehicleModel, SaysWhatIsWrongInTheFile) {
   EXPECT_THAT(problem_of(changed(kBall, "mass = 10", "mass = -10")), HasSubstr("ball.toml:2:8: body.mass"));
+  EXPECT_THAT(problem_of(changed(kBall, "mass = 10", "mass = nan")), HasSubstr("ball.toml:2:8: body.mass"));
+  EXPECT_THAT(problem_of(changed(kBall, "[[5, 5, 5", "[[5, nan, 5")), HasSubstr("ball.toml:6:14: water.added_mass"));
+  EXPECT_THAT(problem_of(changed(kBall, "inertia = [0.1", "inertia = [inf")),
+              HasSubstr("ball.toml:3:11: body.inertia"));
   EXPECT_THAT(problem_of(changed(kBall, "volume", "volumen")), HasSubstr("did you mean volume?"));
   EXPECT_THAT(problem_of(std::string(kBall) + "[[thruster]]\nname = \"dead\"\n"),
               HasSubstr("ball.toml:8:1: thruster: the thruster has no thrust"));
