@@ -5,7 +5,10 @@
 #include <isobath/io/formats/aris.hpp>
 #include <isobath/io/formats/depth_csv.hpp>
 #include <isobath/io/formats/fan_detections.hpp>
+#include <isobath/io/formats/fish_finder.hpp>
 #include <isobath/io/formats/kongsberg/kongsberg.hpp>
+#include <isobath/io/formats/mavlink/dataflash_log.hpp>
+#include <isobath/io/formats/mavlink/telemetry_log.hpp>
 #include <isobath/io/formats/nmea.hpp>
 #include <isobath/io/formats/oculus/oculus_logs.hpp>
 #include <isobath/io/formats/ping/ping_logs.hpp>
@@ -20,6 +23,9 @@
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/io/pooled_bins.hpp>
+#include <isobath/io/ros/ros1_bag.hpp>
+#include <isobath/io/ros/ros2_database.hpp>
+#include <isobath/io/ros/ros_mcap.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <string_view>
 #include <vector>
@@ -130,6 +136,11 @@ constexpr Format survey_log(const char* name) {
           }};
 }
 
+/// An MCAP file is Isobath's own log, or holds messages of ROS.
+std::unique_ptr<Source> open_mcap(const fs::path& file, const InputConfig& config) {
+  return holds_ros_messages(file) ? open_ros_mcap(file, config) : open_native_log(file, config);
+}
+
 constexpr LogFiles kLogFiles{format_of_file, log_of_water_column, open_source};
 
 /// The first format that fits is used. Formats with a signature come before formats that need a search.
@@ -139,7 +150,15 @@ constexpr std::array kFormats{
     Format{"survey folder",
            [](const Candidate& c) { return c.is_folder && looks_like_survey_folder(c.path, c.config, kLogFiles); },
            [](const fs::path& path, const InputConfig& config) { return open_survey_folder(path, config, kLogFiles); }},
-    own_file<looks_like_mcap, open_native_log>("MCAP"),
+    own_file<looks_like_mcap, open_mcap>("MCAP"),
+    own_file<looks_like_ros1_bag, open_ros1_bag>("ROS 1 bag"),
+    Format{"ROS 2 bag (SQLite)", [](const Candidate& c) { return !c.is_folder && looks_like_ros2_database(c.head); },
+           open_ros2_database},
+    file<looks_like_telemetry_log, open_telemetry_log>("MAVLink telemetry log"),
+    file<looks_like_dataflash_log, open_dataflash_log>("ArduPilot DataFlash log"),
+    file<looks_like_lowrance, open_lowrance>("Lowrance .sl2"),
+    Format{"Humminbird .SON", [](const Candidate& c) { return !c.is_folder && looks_like_humminbird(c.head); },
+           open_humminbird_file},
     file<looks_like_ping_viewer_log, open_ping_viewer_log>("Ping Viewer log"),
     file<looks_like_sontek_sum, open_sontek_sum>("SonTek .sum"),
     file<looks_like_nmea, open_nmea>("NMEA 0183"),
@@ -174,26 +193,10 @@ std::string known_formats() {
   return names;
 }
 
-/// The tables of an SQLite file, as far as its head states them. SQLite stores each with the words that made it.
-std::vector<std::string> sqlite_tables(std::string_view head) {
-  constexpr std::string_view kWords = "CREATE TABLE ", kQuotes = "\"'`[ ";
-  constexpr std::size_t kMaxTables = 20;
-  std::vector<std::string> tables;
-  for (std::size_t at = head.find(kWords); at != std::string_view::npos; at = head.find(kWords, at + 1)) {
-    std::string_view name = head.substr(at + kWords.size(), 80);
-    name.remove_prefix(std::min(name.find_first_not_of(kQuotes), name.size()));
-    name = name.substr(0, name.find_first_of("\"'`]( "));
-    if (!name.empty() && tables.size() < kMaxTables) tables.emplace_back(name);
-  }
-  std::ranges::sort(tables);
-  return tables;
-}
-
 /// What an SQLite file is, by its tables.
 std::string sqlite_kind(std::string_view head) {
   const std::vector<std::string> tables = sqlite_tables(head);
   const auto has = [&](const char* name) { return std::ranges::find(tables, name) != tables.end(); };
-  if (has("topics") && has("messages")) return "is a ROS 2 bag in SQLite, whose messages have no reader here";
   if (has("gpkg_contents")) return "is a GeoPackage: a chart, not a log";
   if (has("layer") && has("block")) return "holds the voxels of a map, not a log";
   if (has("object") && has("attribute")) return "holds the objects of a map, not a log";
@@ -226,6 +229,30 @@ std::string sqlite_kind(std::string_view head) {
   throw Error(std::string("not a known format") + kind, {file}, known_formats());
 }
 
+/// The fixes of another source.
+class FixesOnly final : public Source {
+ public:
+  explicit FixesOnly(std::unique_ptr<Source> source) : source_(std::move(source)) {}
+  std::optional<Event> next() override {
+    auto event = source_->next();
+    while (event && !std::holds_alternative<Navigation>(*event)) event = source_->next();
+    return event;
+  }
+  [[nodiscard]] const SourceReport& report() const override { return source_->report(); }
+
+ private:
+  std::unique_ptr<Source> source_;
+};
+
+/// The fixes of the file that input.navigation names: a table of poses, or another log.
+std::unique_ptr<Source> open_navigation(const InputConfig& config) {
+  const auto is_log = [](Bytes head) { return !looks_like_text(head) || looks_like_nmea(head); };
+  if (!holds_format(config.navigation, is_log)) return open_pose_track(config.navigation);
+  InputConfig own = config;
+  own.navigation.clear();
+  return std::make_unique<FixesOnly>(open_source(config.navigation, own));
+}
+
 }  // namespace
 
 std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& config) {
@@ -238,8 +265,7 @@ std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& co
   const Format* const format = format_of(candidate);
   if (format == nullptr) refuse(candidate);
   auto source = with_pooled_bins(format->open(input, config), config.max_bins);
-  return config.navigation.empty() ? std::move(source)
-                                   : merge_by_time(std::move(source), open_pose_track(config.navigation));
+  return config.navigation.empty() ? std::move(source) : merge_by_time(std::move(source), open_navigation(config));
 }
 
 fs::path log_of_water_column(const fs::path& file, const InputConfig& config) {

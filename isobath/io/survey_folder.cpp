@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/file_access.hpp>
-#include <isobath/io/bytes/text_lines.hpp>
+#include <isobath/io/bytes/name_patterns.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <map>
 
@@ -226,35 +226,7 @@ void SurveyFolder::update_report() {
   if (overlaps_ > 0) report_.details["overlap"] = fmt::format("{} files begin before the previous one ends", overlaps_);
 }
 
-/// Matches a name against a pattern, in linear time for each star: only the last star is retried.
-bool fits_one(std::string_view name, std::string_view pattern) {
-  std::size_t n = 0, p = 0;
-  std::optional<std::pair<std::size_t, std::size_t>> star;  // positions after the star, in pattern and in name
-  while (n < name.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = {++p, n};
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
-      ++p;
-      ++n;
-    } else if (star) {
-      p = star->first;
-      n = ++star->second;
-    } else {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', p) == std::string_view::npos;
-}
-
 }  // namespace
-
-bool fits(std::string_view name, std::string_view patterns) {
-  std::string_view pattern;
-  for (TextRow row(patterns, ','); row.next(pattern);) {
-    if (!trimmed(pattern).empty() && fits_one(name, trimmed(pattern))) return true;
-  }
-  return false;
-}
 
 Navigation in_plane(const Navigation& fix, const LocalPlane& from, const LocalPlane& to) {
   if (from.origin() == to.origin()) return fix;

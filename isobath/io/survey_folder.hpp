@@ -21,7 +21,6 @@
 #include <isobath/io/input/input_config.hpp>
 #include <memory>
 #include <string>
-#include <string_view>
 
 namespace isobath {
 
@@ -39,8 +38,5 @@ std::unique_ptr<Source> open_survey_folder(const std::filesystem::path& folder, 
 
 /// The same fix in another plane. The planes' origins must be within 1000 km of the fix and not at a pole.
 Navigation in_plane(const Navigation& fix, const LocalPlane& from, const LocalPlane& to);
-
-/// Whether a name matches one of the patterns, separated by commas. * matches any text, ? one character.
-bool fits(std::string_view name, std::string_view patterns);
 
 }  // namespace isobath

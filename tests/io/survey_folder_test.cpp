@@ -1,5 +1,6 @@
 #include <fstream>
 #include <gmock/gmock.h>
+#include <isobath/io/bytes/name_patterns.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <tests/io/bytes_by_hand.hpp>

@@ -24,7 +24,9 @@ std::vector<Field> fields(InputConfig& c) {
                   "Full range of the sonar, for logs that do not state it; 0: the device's default."),
       Field::flag("high_nibble_first", &c.high_nibble_first,
                   "Whether the first of two 4-bit samples is in the high half of a byte (Tritech)."),
-      Field::text("navigation", &c.navigation, "CSV file of poses that replace the log's own fixes; empty: none."),
+      Field::text(
+          "navigation", &c.navigation,
+          "CSV file of poses, or another log that holds poses, which replace the log's own fixes; empty: none."),
       Field::choice("track", &c.track, {{"gnss", LogTrack::kGnss}, {"dead-reckoning", LogTrack::kDeadReckoning}},
                     "Track of the vehicle where a log holds two: of its satellite receiver, or its dead reckoning."),
       Field::text("reference", &c.reference,
@@ -40,6 +42,26 @@ std::vector<Field> fields(InputConfig& c) {
           "Maximum number of range bins from the sonar to the end of its window: finer bins are averaged, which also "
           "reduces speckle; 0: no limit.")
           .was("most_bins"),
+      Field::text("topics", &c.topics,
+                  "Topics of a ROS log to use, such as /sonar*,/odom; * matches any text, ? one character, commas "
+                  "separate patterns; empty: of each kind the topic with the most messages."),
+      Field::choice("axes", &c.axes, {{"by-name", LogAxes::kByName}, {"enu", LogAxes::kEnu}, {"ned", LogAxes::kNed}},
+                    "Axes of poses in a ROS log: enu (east-north-up, body forward-port-up), ned (north-east-down, body "
+                    "forward-starboard-down), or by-name: ned where the name of the frame ends in ned."),
+      Field::flag("beam_major", &c.beam_major,
+                  "Whether the samples of a beam stand together in a ROS sonar image; off: those of a range do."),
+      Field::text("frame_geometry", &c.frame_geometry,
+                  "geometry.json that says what rows and columns of the images in a ROS log are; empty: images are not "
+                  "read."),
+      Field::real("pressure_unit_pa", &c.pressure_unit_pa, {1e-3, 1e6}, "Pa",
+                  "Unit of the pressures in a ROS log, for drivers that do not publish pascals."),
+      Field::real("surface_pressure_pa", &c.surface_pressure_pa, {0, 200000}, "Pa",
+                  "Pressure at the surface, subtracted for a depth; 0: the log has gauge pressures."),
+      Field::real("water_density", &c.water_density, {900, 1100}, "kg/m3",
+                  "Density of the water, for depths from pressures."),
+      Field::integer("mavlink_system", &c.mavlink_system, {0, 255}, "",
+                     "System number of the vehicle in a MAVLink log; 0: the first that states its attitude or "
+                     "position."),
   };
   for (Field& field : fields(c.survey)) all.push_back(std::move(field));
   return all;
