@@ -45,7 +45,7 @@ std::vector<Field> about_fields(SuiteConfig& c, AltimeterChoice& altimeter) {
 }
 
 std::vector<Field> vary_fields(VariationConfig& c) {
-  return {
+  std::vector<Field> all = {
       Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
       Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
       Field::real("current", &c.current, {0, 2}, "m/s",
@@ -58,13 +58,18 @@ std::vector<Field> vary_fields(VariationConfig& c) {
                      "Minimum and maximum factor on the noise of the sonars."),
       Field::numbers("density", c.density.data(), 2, {0, 10}, "1",
                      "Minimum and maximum factor on the density of the clutter."),
-      Field::numbers("plant_mass", c.plant_mass.data(), 2, {0.1, 10}, "1",
-                     "Minimum and maximum factor on the mass of a dynamic vehicle, which its control does not know."),
-      Field::numbers("plant_drag", c.plant_drag.data(), 2, {0, 10}, "1",
-                     "Minimum and maximum factor on its drag, likewise."),
-      Field::real("plant_buoyancy", &c.plant_buoyancy, {0, 1e5}, "N", "Half width of its buoyancy, likewise."),
       Field::numbers("lost_s", c.lost_s.data(), 2, {0, 1e5}, "s",
                      "Minimum and maximum time at which a group with loses_vehicle loses one.")};
+  const auto add = [&all](const std::string& name, PlantVariation& v, const std::string& of) {
+    all.push_back(Field::numbers(name + "_mass", v.mass.data(), 2, {0.1, 10}, "1",
+                                 "Minimum and maximum factor on the mass of " + of));
+    all.push_back(Field::numbers(name + "_drag", v.drag.data(), 2, {0, 10}, "1",
+                                 "Minimum and maximum factor on the drag of " + of));
+    all.push_back(Field::real(name + "_buoyancy", &v.buoyancy, {0, 1e5}, "N", "Half width of the buoyancy of " + of));
+  };
+  add("plant", c.plant, "a dynamic vehicle, which its control does not know.");
+  add("control", c.control_model, "a dynamic vehicle as its control takes it.");
+  return all;
 }
 
 std::vector<Field> bar_fields(BarsConfig& c) {
@@ -127,8 +132,10 @@ void check_suite(Suite& s, const std::string& file) {
   }
   s.variants = variants_of(s.axes);
   ordered("vary.lost_s", s.vary.lost_s);
-  ordered("vary.plant_mass", s.vary.plant_mass);
-  ordered("vary.plant_drag", s.vary.plant_drag);
+  ordered("vary.plant_mass", s.vary.plant.mass);
+  ordered("vary.plant_drag", s.vary.plant.drag);
+  ordered("vary.control_mass", s.vary.control_model.mass);
+  ordered("vary.control_drag", s.vary.control_model.drag);
   ordered("vary.drift", s.vary.drift);
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
@@ -224,15 +231,14 @@ void draw_loss_of_vehicle(Random random, const VariationConfig& vary, SuiteRun& 
       fmt::format("; {} is lost after {:.0f} s", which == 0 ? scene.vehicle.name : scene.group[which - 1].name, at_s);
 }
 
-void draw_plant(Random random, const VariationConfig& vary, SuiteRun& run) {
-  const VariationConfig none;
-  if (vary.plant_mass == none.plant_mass && vary.plant_drag == none.plant_drag && vary.plant_buoyancy == 0) return;
-  PlantDifference& plant = run.scenario.scene.plant;
-  plant.mass *= random.uniform(vary.plant_mass[0], vary.plant_mass[1]);
-  plant.drag *= random.uniform(vary.plant_drag[0], vary.plant_drag[1]);
-  plant.buoyancy += vary.plant_buoyancy * random.uniform(-1, 1);
-  run.conditions +=
-      fmt::format("; plant: mass x {:.2f}, drag x {:.2f}, buoyancy {:+.1f} N", plant.mass, plant.drag, plant.buoyancy);
+void draw_difference(Random random, const PlantVariation& vary, const char* of, PlantDifference& difference,
+                     SuiteRun& run) {
+  if (vary == PlantVariation{}) return;
+  difference.mass *= random.uniform(vary.mass[0], vary.mass[1]);
+  difference.drag *= random.uniform(vary.drag[0], vary.drag[1]);
+  difference.buoyancy += vary.buoyancy * random.uniform(-1, 1);
+  run.conditions += fmt::format("; {}: mass x {:.2f}, drag x {:.2f}, buoyancy {:+.1f} N", of, difference.mass,
+                                difference.drag, difference.buoyancy);
 }
 
 /// From its start straight to the first mission point.
@@ -448,7 +454,9 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   if (suite.replay.on) add_traffic(suite, replay_seed, run);
   if (suite.encounters.on) add_encounters(suite.encounters, encounter_seed, run);
   if (loses_vehicle) draw_loss_of_vehicle(random.fork(), suite.vary, run);
-  draw_plant(random.fork(), suite.vary, run);
+  draw_difference(random.fork(), suite.vary.plant, "plant", run.scenario.scene.plant, run);
+  draw_difference(random.fork(), suite.vary.control_model, "model of the control", run.scenario.scene.control_model,
+                  run);
   return run;
 }
 

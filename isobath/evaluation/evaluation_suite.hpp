@@ -21,8 +21,8 @@
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
 // reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
 // noise level of the sonars, field of obstacles, encounters, replayed traffic, the vehicle of a group that is lost,
-// plant. Each of these has a random stream of its own; values are uniform. In a group each vehicle has a start of its
-// own.
+// plant, model of the control. Each of these has a random stream of its own; values are uniform. In a group each
+// vehicle has a start of its own.
 #pragma once
 
 #include <cstdint>
@@ -70,16 +70,21 @@ struct SuiteConfig {
 };
 
 /// Half widths of the values drawn about those of the scene; minimum and maximum of drift and factors.
+/// A PlantDifference: ranges of the factors, half width of the buoyancy.
+struct PlantVariation {
+  Eigen::Vector2d mass = {1, 1}, drag = {1, 1};
+  double buoyancy = 0;  ///< N
+  bool operator==(const PlantVariation&) const = default;
+};
+
 struct VariationConfig {
   Eigen::Vector2d start = {0, 0};  ///< north, east, m
   Angle heading;
-  double current = 0;                   ///< maximum, m/s, any direction; in suites of faults added to that of the scene
-  Eigen::Vector2d drift = {0, 0};       ///< share of the distance travelled, with a navigator of the kind `drift`
-  Eigen::Vector2d noise = {1, 1};       ///< factor on the noise of all sonars
-  Eigen::Vector2d density = {1, 1};     ///< factor on the density of the clutter
-  Eigen::Vector2d plant_mass = {1, 1};  ///< factors on those of the vehicle file (PlantDifference)
-  Eigen::Vector2d plant_drag = {1, 1};
-  double plant_buoyancy = 0;           ///< N
+  double current = 0;                ///< maximum, m/s, any direction; in suites of faults added to that of the scene
+  Eigen::Vector2d drift = {0, 0};    ///< share of the distance travelled, with a navigator of the kind `drift`
+  Eigen::Vector2d noise = {1, 1};    ///< factor on the noise of all sonars
+  Eigen::Vector2d density = {1, 1};  ///< factor on the density of the clutter
+  PlantVariation plant, control_model;
   Eigen::Vector2d lost_s = {60, 200};  ///< when a vehicle of a group is lost, s
 };
 

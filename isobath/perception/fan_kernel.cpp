@@ -15,9 +15,7 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file once an instruction set.
 #include <hwy/highway.h>
-#include <isobath/base/error.hpp>
 #include <isobath/perception/fan_kernel.hpp>
-#include <string_view>
 
 HWY_BEFORE_NAMESPACE();
 namespace isobath::HWY_NAMESPACE {
@@ -199,23 +197,6 @@ int direction_index(float x, float y) {
   const float pseudo = x < 0 ? std::copysign(2.0f, y) - slope : slope;
   const float index = (pseudo + 2.0f) * (FanView::kDirections / 4.0f);
   return static_cast<int>(std::min(std::max(index, 0.0f), FanView::kDirections - 1.0f));
-}
-
-std::vector<const char*> fan_kernel_targets() {
-  std::vector<const char*> names;
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) names.push_back(hwy::TargetName(target));
-  return names;
-}
-
-void use_fan_kernel_target(const char* name) {
-  hwy::SetSupportedTargetsForTest(0);
-  std::int64_t wanted = 0;
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    if (std::string_view(hwy::TargetName(target)) == name) wanted = target;
-  }
-  if (*name != 0 && wanted == 0) throw Error(std::string("this processor has no instruction set ") + name);
-  hwy::SetSupportedTargetsForTest(wanted);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 }  // namespace isobath

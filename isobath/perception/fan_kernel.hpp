@@ -52,9 +52,4 @@ void look_at_block(const FanView& view, const float (&corner)[3], const Evidence
 /// Index in `beams_at` of a direction vector of any length but zero.
 int direction_index(float x, float y);
 
-/// For tests: names of the instruction sets of this processor, best first.
-std::vector<const char*> fan_kernel_targets();
-/// For tests: uses only this instruction set; empty: the best. Throws Error for an unknown name.
-void use_fan_kernel_target(const char* name);
-
 }  // namespace isobath

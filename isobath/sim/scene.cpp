@@ -276,8 +276,10 @@ void check(const Scene& scene) {
     check_file(scene.bottom.file, scene.bottom.place, "file");
   }
   if (!scene.vehicle.file.empty()) check_file(scene.vehicle.file, scene.vehicle.place, "file");
-  if (!scene.vehicle.dynamic && scene.plant != PlantDifference{}) {
-    refuse(scene.vehicle.place, "dynamic", "[plant] has no effect on a vehicle that follows its set-points", "true");
+  const bool differs = scene.plant != PlantDifference{} || scene.control_model != PlantDifference{};
+  if (!scene.vehicle.dynamic && differs) {
+    refuse(scene.vehicle.place, "dynamic",
+           "[plant] and [control_model] have no effect on a vehicle that follows its set-points", "true");
   }
   if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
@@ -365,6 +367,8 @@ Schema schema(Scene& s) {
                   {"bottom", "The bottom.", bottom_fields(s.bottom)},
                   {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)},
                   {"plant", "How a dynamic vehicle differs from its file, which its control has.", fields(s.plant)},
+                  {"control_model", "How what its control takes it for differs from its file.",
+                   control_model_fields(s.control_model)},
                   {"navigation", "The navigator of the vehicle.", fields(s.navigator)},
                   {"hydrophones", "The passive array of the vehicle.", fields(s.hydrophones)},
                   {"acoustic_link", "The modems of the vehicles of a group.", fields(s.link)}};

@@ -163,6 +163,7 @@ struct Scene {
   std::vector<Body> bodies;
   VehicleConfig vehicle;
   PlantDifference plant;            ///< of the simulated vehicle from its file
+  PlantDifference control_model;    ///< what the control takes it for
   std::vector<GroupVehicle> group;  ///< the vehicles beside it
   AcousticLinkConfig link;          ///< between the vehicles
   std::vector<WaypointConfig> waypoints;

@@ -95,7 +95,7 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
       world_(std::make_unique<World>(scene_)),
       model_(vehicle_model_of(scene_)),
       plant_(make_plant(model_, scene_.vehicle.dynamic ? PlantKind::kDynamic : PlantKind::kKinematic,
-                        start_of(scene_.vehicle), scene_.plant)),
+                        start_of(scene_.vehicle), scene_.plant, scene_.control_model)),
       faults_(scene_.faults, random_at(seed_, kFaultSeed, 0).bits()),
       sensors_(scene_.navigation, random_at(seed_, kSensorSeed, 0).bits()),
       navigator_(scene_.navigator, scene_.navigation, random_at(seed_, kNavigatorSeed, 0).bits()),

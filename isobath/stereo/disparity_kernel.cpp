@@ -4,10 +4,7 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file once an instruction set.
 #include <hwy/highway.h>
-#include <isobath/base/error.hpp>
 #include <isobath/stereo/disparity_kernel.hpp>
-#include <string>
-#include <string_view>
 
 HWY_BEFORE_NAMESPACE();
 namespace isobath::HWY_NAMESPACE {
@@ -309,23 +306,6 @@ const DisparityKernel& vector_kernel() {
         HWY_DYNAMIC_DISPATCH(down_swept)(c, s, step);
       }};
   return kVectors;
-}
-
-std::vector<const char*> disparity_kernel_targets() {
-  std::vector<const char*> names;
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) names.push_back(hwy::TargetName(target));
-  return names;
-}
-
-void use_disparity_kernel_target(const char* name) {
-  hwy::SetSupportedTargetsForTest(0);
-  std::int64_t wanted = 0;
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    if (std::string_view(hwy::TargetName(target)) == name) wanted = target;
-  }
-  if (*name != 0 && wanted == 0) throw Error(std::string("this processor has no instruction set ") + name);
-  hwy::SetSupportedTargetsForTest(wanted);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 }  // namespace isobath

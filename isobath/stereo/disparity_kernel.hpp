@@ -102,9 +102,4 @@ struct DisparityKernel {
 const DisparityKernel& vector_kernel();
 const DisparityKernel& plain_kernel();
 
-/// For tests: names of the instruction sets of this processor, best first.
-std::vector<const char*> disparity_kernel_targets();
-/// For tests: uses only this instruction set; empty: the best. Throws Error for an unknown name.
-void use_disparity_kernel_target(const char* name);
-
 }  // namespace isobath

@@ -99,9 +99,9 @@ void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions& wat
 }
 
 std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial,
-                                         const PlantDifference& difference) {
+                                         const PlantDifference& difference, const PlantDifference& taken_for) {
   if (kind == PlantKind::kKinematic) return std::make_unique<KinematicVehicle>(model, initial);
-  return std::make_unique<DynamicVehicle>(model, initial, difference);
+  return std::make_unique<DynamicVehicle>(model, initial, difference, taken_for);
 }
 
 }  // namespace isobath

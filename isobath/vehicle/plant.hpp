@@ -1,7 +1,7 @@
 // VehiclePlant: the interface of a vehicle that follows set-points (ledger S7-14).
 //
 // DynamicVehicle is VehicleDynamics under an Autopilot: actuators, inertia, current and density all act. Its plant may
-// differ from the vehicle file that the autopilot has (PlantDifference).
+// differ from the vehicle file, and so may what the autopilot takes it for (PlantDifference).
 // KinematicVehicle follows set-points exactly within the limits of the vehicle file: arcs and straight lines through
 // the water, without actuators and inertia; it is for scenes that need a path and no dynamics. Set-points are over
 // ground, as an autopilot holds them. The water moves the vehicle where the vehicle cannot compensate: a current across
@@ -36,9 +36,9 @@ class DynamicVehicle final : public VehiclePlant {
   static constexpr double kLongestStep = 0.02;  ///< s; longer steps are divided
 
   explicit DynamicVehicle(const VehicleModel& model, const VehicleState& initial = {},
-                          const PlantDifference& difference = {})
+                          const PlantDifference& difference = {}, const PlantDifference& taken_for = {})
       : dynamics_(different_plant(model, difference), initial),
-        autopilot_(make_autopilot(model)),
+        autopilot_(make_autopilot(different_plant(model, taken_for))),
         tether_m_(difference.tether_m) {}
 
   [[nodiscard]] const VehicleState& state() const override { return dynamics_.state(); }
@@ -72,8 +72,9 @@ class KinematicVehicle final : public VehiclePlant {
 
 enum class PlantKind { kDynamic, kKinematic };
 
-/// A kinematic vehicle has no forces; `difference` does not act on it.
+/// `difference`: of the plant; `taken_for`: of the autopilot's model. A kinematic vehicle has no forces; they do not
+/// act on it.
 std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial = {},
-                                         const PlantDifference& difference = {});
+                                         const PlantDifference& difference = {}, const PlantDifference& taken_for = {});
 
 }  // namespace isobath

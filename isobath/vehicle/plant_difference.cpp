@@ -12,6 +12,12 @@ std::vector<Field> fields(PlantDifference& d) {
                       "Length of a tether of 7.6 mm that hangs down to the vehicle; 0: none.")};
 }
 
+std::vector<Field> control_model_fields(PlantDifference& d) {
+  std::vector<Field> all = fields(d);
+  all.pop_back();
+  return all;
+}
+
 VehicleModel different_plant(VehicleModel m, const PlantDifference& d) {
   if (d.mass != 1) {
     m.volume += (d.mass - 1) * m.mass / m.reference_density;

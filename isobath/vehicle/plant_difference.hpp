@@ -1,5 +1,5 @@
 // PlantDifference: how a simulated vehicle differs from its vehicle file, which control keeps: a payload, growth on the
-// hull, a wrong coefficient, a tether (ledger S7-08, S7-17).
+// hull, a tether; or how what control takes it for does: wrong coefficients (ledger S7-08, S7-17).
 //
 // A tether hangs from a point above the vehicle and drifts with neither: water that passes the vehicle at v_r in the
 // plane draws on its lower half, F = -1/2 rho C_d diameter (length / 2) |v_r| v_r, at the origin of B; C_d 1.2 of a
@@ -20,8 +20,10 @@ struct PlantDifference {
 };
 
 std::vector<Field> fields(PlantDifference& difference);
+/// The same without the tether, which no control knows.
+std::vector<Field> control_model_fields(PlantDifference& difference);
 
-/// The plant of a vehicle file. Throws Error if its volume is not above 0.
+/// The vehicle of a file with a difference. Throws Error if its volume is not above 0.
 VehicleModel different_plant(VehicleModel model, const PlantDifference& difference);
 
 /// Wrench of the tether, in B.

@@ -114,6 +114,10 @@ TEST_F(Variants, DrawAPlantThatTheControlDoesNotKnow) {
   EXPECT_LE(most, 1.5);
   EXPECT_THAT(make_run(s, scenes, 3).conditions, testing::HasSubstr("; plant: mass x "));
   EXPECT_EQ(make_run(plain, scenes, 3).scenario.scene.plant, PlantDifference{});
+  const SuiteRun wrong = make_run(suite("[vary]\nstart = [1, 2]\ncontrol_mass = [0.5, 1.5]\n", vehicle), scenes, 3);
+  EXPECT_THAT(wrong.conditions, testing::HasSubstr("; model of the control: mass x "));
+  EXPECT_EQ(wrong.scenario.scene.plant, PlantDifference{});
+  EXPECT_NE(wrong.scenario.scene.control_model.mass, 1);
 }
 
 TEST_F(Variants, AreSelectedByPartsOfTheirNames) {

@@ -2,7 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/ros_logs.hpp>
+#include <tests/support/data.hpp>
 
 namespace isobath::test {
 
@@ -97,5 +102,27 @@ inline RosLog small_dive(bool cdr, int seconds = 5) {
   }
   return log;
 }
+
+/// Opens logs that it writes.
+class RosLogTest : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& bytes, const std::string& name = "dive.bag") {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+  std::unique_ptr<Source> opened(const std::string& bytes, const InputConfig& config = {}) {
+    return open_source(write(bytes), config);
+  }
+  /// The events of one topic.
+  std::vector<Event> events_of(const RosTopicText& topic, const std::vector<std::string>& data,
+                               const InputConfig& config = {}) {
+    RosLog log{{topic}, {}};
+    for (const std::string& d : data) log.messages.push_back({0, 100, d});
+    source_ = opened(ros1_bag(log), config);
+    return drain(*source_);
+  }
+  std::filesystem::path folder_ = scratch_folder();
+  std::unique_ptr<Source> source_;
+};
 
 }  // namespace isobath::test

@@ -15,26 +15,7 @@ using test::RosLog;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class RosEvents : public testing::Test {
- protected:
-  std::filesystem::path write(const std::string& bytes, const std::string& name = "dive.bag") {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
-  }
-  std::unique_ptr<Source> opened(const std::string& bytes, const InputConfig& config = {}) {
-    return open_source(write(bytes), config);
-  }
-  /// The events of one topic.
-  std::vector<Event> events_of(const test::RosTopicText& topic, const std::vector<std::string>& data,
-                               const InputConfig& config = {}) {
-    RosLog log{{topic}, {}};
-    for (const std::string& d : data) log.messages.push_back({0, 100, d});
-    source_ = opened(ros1_bag(log), config);
-    return drain(*source_);
-  }
-  std::filesystem::path folder_ = test::scratch_folder();
-  std::unique_ptr<Source> source_;
-};
+class RosEvents : public test::RosLogTest {};
 
 TEST_F(RosEvents, MountingComesFromTheTransformsUnlessASettingStatesIt) {
   RosLog log{{test::kTransformTopic, test::kRangeTopic}, {}};

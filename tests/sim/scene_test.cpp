@@ -263,11 +263,18 @@ TEST(Scenes, SayHowThePlantDiffersAndWhichControlItHas) {
   EXPECT_LT(deepest(as_filed), 5.02);
   EXPECT_GT(deepest(scene), 5.05) << "the control does not know of the plant";
   EXPECT_GT(deepest(by_model), deepest(scene) + 0.1);
+  Scene wrong = as_filed;
+  wrong.control_model = scene_of("dynamic = true\n[control_model]\nbuoyancy = 20\n").control_model;
+  EXPECT_EQ(wrong.control_model.buoyancy, 20);
+  EXPECT_GT(deepest(wrong), 5.05) << "it takes the vehicle for lighter than it is";
+  EXPECT_THROW(scene_of("dynamic = true\n[control_model]\ntether_m = 5\n"), Error) << "no control knows of a tether";
   try {
     scene_of("[plant]\nmass = 2\n");
     FAIL();
   } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("vehicle.dynamic: [plant] has no effect"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("vehicle.dynamic: [plant] and [control_model] have no effect"),
+              std::string::npos)
+        << e.what();
   }
 }
 

@@ -1,6 +1,7 @@
 // Dense matching against pairs of textured planes and spheres, and the vectors against plain loops.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <isobath/base/vector_targets.hpp>
 #include <isobath/stereo/dense_matcher.hpp>
 #include <isobath/stereo/disparity_kernel.hpp>
 #include <isobath/stereo/disparity_score.hpp>
@@ -91,14 +92,14 @@ TEST(DenseMatcher, VectorsOfEveryInstructionSetGiveTheBitsOfThePlainLoops) {
     }
     const DisparityMap plain = DenseMatcher(config, true).match(left, right);
     EXPECT_GT(plain.share_of(PixelState::kValid), 0.3) << c.width;
-    for (const char* target : disparity_kernel_targets()) {
-      use_disparity_kernel_target(target);
+    for (const char* target : vector_targets()) {
+      use_vector_target(target);
       EXPECT_TRUE(same_bits(DenseMatcher(config).match(left, right), plain)) << target << ", width " << c.width;
     }
-    use_disparity_kernel_target("");
+    use_vector_target("");
   }
-  EXPECT_THROW(use_disparity_kernel_target("abacus"), std::runtime_error);
-  use_disparity_kernel_target("");
+  EXPECT_THROW(use_vector_target("abacus"), std::runtime_error);
+  use_vector_target("");
 }
 
 // The sums of a window against the definition. ledger: S8-03

@@ -1,6 +1,7 @@
 // The kernel of fans on several threads and on every instruction set that the processor has.
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/vector_targets.hpp>
 #include <tests/perception/fan_looks.hpp>
 
 namespace isobath {
@@ -26,15 +27,15 @@ TEST(FanMapper, GivesTheSameBitsOnAnyThreadsAndProcessor) {
     EXPECT_GT(one.size(), 10'000u);
     EXPECT_EQ(mapped(rule, 2), one);
     EXPECT_EQ(mapped(rule, 3), one);
-    const auto targets = fan_kernel_targets();
+    const auto targets = vector_targets();
     EXPECT_GE(targets.size(), 2u);
     for (const char* target : targets) {
-      use_fan_kernel_target(target);
+      use_vector_target(target);
       EXPECT_EQ(mapped(rule, 1), one) << target;
     }
-    use_fan_kernel_target("");
+    use_vector_target("");
   }
-  EXPECT_THROW(use_fan_kernel_target("abacus"), Error);
+  EXPECT_THROW(use_vector_target("abacus"), Error);
 }
 
 }  // namespace
