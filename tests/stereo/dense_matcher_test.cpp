@@ -1,12 +1,12 @@
 // Dense matching against pairs of textured planes and spheres, and the vectors against plain loops.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <isobath/base/vector_targets.hpp>
 #include <isobath/stereo/dense_matcher.hpp>
 #include <isobath/stereo/disparity_kernel.hpp>
 #include <isobath/stereo/disparity_score.hpp>
 #include <isobath/stereo/optics/water_light.hpp>
 #include <tests/stereo/ray_pictures.hpp>
+#include <tests/support/vector_targets.hpp>
 
 namespace isobath {
 namespace {
@@ -92,14 +92,14 @@ TEST(DenseMatcher, VectorsOfEveryInstructionSetGiveTheBitsOfThePlainLoops) {
     }
     const DisparityMap plain = DenseMatcher(config, true).match(left, right);
     EXPECT_GT(plain.share_of(PixelState::kValid), 0.3) << c.width;
-    for (const char* target : vector_targets()) {
-      use_vector_target(target);
+    for (const char* target : test::vector_targets()) {
+      test::use_vector_target(target);
       EXPECT_TRUE(same_bits(DenseMatcher(config).match(left, right), plain)) << target << ", width " << c.width;
     }
-    use_vector_target("");
+    test::use_vector_target("");
   }
-  EXPECT_THROW(use_vector_target("abacus"), std::runtime_error);
-  use_vector_target("");
+  EXPECT_THROW(test::use_vector_target("abacus"), std::runtime_error);
+  test::use_vector_target("");
 }
 
 // The sums of a window against the definition. ledger: S8-03

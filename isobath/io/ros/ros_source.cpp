@@ -13,6 +13,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/bytes/name_patterns.hpp>
 #include <isobath/io/ros/ros_decoding.hpp>
+#include <isobath/io/ros/ros_recording.hpp>
 #include <map>
 
 namespace isobath {

@@ -1,8 +1,8 @@
 // The kernel of fans on several threads and on every instruction set that the processor has.
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
-#include <isobath/base/vector_targets.hpp>
 #include <tests/perception/fan_looks.hpp>
+#include <tests/support/vector_targets.hpp>
 
 namespace isobath {
 namespace {
@@ -27,15 +27,15 @@ TEST(FanMapper, GivesTheSameBitsOnAnyThreadsAndProcessor) {
     EXPECT_GT(one.size(), 10'000u);
     EXPECT_EQ(mapped(rule, 2), one);
     EXPECT_EQ(mapped(rule, 3), one);
-    const auto targets = vector_targets();
+    const auto targets = test::vector_targets();
     EXPECT_GE(targets.size(), 2u);
     for (const char* target : targets) {
-      use_vector_target(target);
+      test::use_vector_target(target);
       EXPECT_EQ(mapped(rule, 1), one) << target;
     }
-    use_vector_target("");
+    test::use_vector_target("");
   }
-  EXPECT_THROW(use_vector_target("abacus"), Error);
+  EXPECT_THROW(test::use_vector_target("abacus"), Error);
 }
 
 }  // namespace

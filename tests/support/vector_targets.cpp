@@ -1,11 +1,11 @@
 #include <cstdint>
 #include <hwy/targets.h>
 #include <isobath/base/error.hpp>
-#include <isobath/base/vector_targets.hpp>
 #include <string>
 #include <string_view>
+#include <tests/support/vector_targets.hpp>
 
-namespace isobath {
+namespace isobath::test {
 
 std::vector<const char*> vector_targets() {
   std::vector<const char*> names;
@@ -24,4 +24,4 @@ void use_vector_target(const char* name) {
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
-}  // namespace isobath
+}  // namespace isobath::test

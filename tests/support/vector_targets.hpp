@@ -4,11 +4,11 @@
 
 #include <vector>
 
-namespace isobath {
+namespace isobath::test {
 
 /// Names, best first.
 std::vector<const char*> vector_targets();
 /// From now on all kernels use only this one; empty: the best. Throws Error for an unknown name.
 void use_vector_target(const char* name);
 
-}  // namespace isobath
+}  // namespace isobath::test
