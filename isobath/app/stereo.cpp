@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -15,6 +17,7 @@
 #include <isobath/studies/stereo_study.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace isobath::app {
 namespace {
@@ -111,6 +114,14 @@ void print_study(const StereoPair& pair, const StereoStudy& study, const Timing&
   if (study.ranges) fmt::print("usable to {:.1f} m\n", study.ranges->usable_range_m);
 }
 
+/// 3 to 100; 0: no such number.
+int corners_in(std::string_view text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && number >= 3 && number <= 100 ? number : 0;
+}
+
 /// Pictures of a chessboard: first those of the left camera, then those of the right one in the same order.
 int calibrate_pair(StereoOptions& options) {
   const std::size_t pairs = options.pictures.size() / 2;
@@ -118,8 +129,10 @@ int calibrate_pair(StereoOptions& options) {
     throw Error(fmt::format("{} pictures are no pairs", options.pictures.size()), {}, "at least 3 pairs",
                 "first all of the left camera, then all of the right one");
   Chessboard& board = options.board;
-  if (std::sscanf(options.corners.c_str(), "%dx%d", &board.columns, &board.rows) != 2 || board.columns < 3 ||
-      board.rows < 3 || board.columns > 100 || board.rows > 100)
+  const std::size_t by = std::min(options.corners.find('x'), options.corners.size());
+  board.columns = corners_in(std::string_view(options.corners).substr(0, by));
+  board.rows = corners_in(std::string_view(options.corners).substr(std::min(by + 1, options.corners.size())));
+  if (board.columns == 0 || board.rows == 0)
     throw Error("\"" + options.corners + "\" is no size of a board", {}, "inner corners, such as 9x6");
   check_output_folder(options.out, "--out");
   std::vector<CameraImage> left, right;

@@ -241,7 +241,7 @@ void DenseMatcher::sweep_down(int y, int band_index, const std::uint8_t* means, 
   for (int r = 0; r < 3; ++r) {
     jumps(here, up, map.width, r - 1, far, edge, band.jump_down[static_cast<std::size_t>(r)].data());
   }
-  const auto right = static_cast<std::size_t>(map.width + config_.disparities);
+  const auto right = static_cast<std::size_t>(map.width) + static_cast<std::size_t>(config_.disparities);
   band.right_cost.assign(right, 0xFFFF);
   band.right_place.assign(right, 0);
   const auto side = static_cast<std::size_t>(band.parity);  // of the row within its pair
@@ -302,7 +302,8 @@ void DenseMatcher::finish_row(int y, int band_index, DisparityMap& map) const {
     } else if (cost > worse * second) {
       state = PixelState::kAmbiguous;
     } else {
-      const int other = band.right_place[static_cast<std::size_t>(width - 1 - x + place)];
+      const int mirrored = width - 1 - x + place;
+      const int other = band.right_place[static_cast<std::size_t>(mirrored)];
       if (static_cast<float>(std::abs(other - place)) > left_right) state = PixelState::kOccluded;
     }
     float offset = 0;

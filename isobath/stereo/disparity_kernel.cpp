@@ -52,7 +52,7 @@ HWY_INLINE HWY_ATTR std::uint16_t least_word(D d, hn::Vec<D> v) {
   }
 }
 template <class D>
-HWY_INLINE HWY_ATTR std::uint8_t least_byte(D d, hn::Vec<D> v) {
+HWY_INLINE HWY_ATTR std::uint8_t least_byte(D /*d*/, hn::Vec<D> v) {
   if constexpr (hn::MaxLanes(D()) > 16) {
     const hn::Half<D> half;
     return least_byte(half, hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));

@@ -11,7 +11,7 @@ constexpr int kSide = 4, kUp = 3;  // half the census window
 
 void MatchFeatures::compute(const DisparityKernel& kernel, const CameraImage& image, const double (&weights)[3],
                             bool mirrored, int front, int back) {
-  stride_ = static_cast<std::size_t>(front + image.width + back);
+  stride_ = static_cast<std::size_t>(front) + static_cast<std::size_t>(image.width) + static_cast<std::size_t>(back);
   row_bytes_ = stride_ * static_cast<std::size_t>(image.channels * (kCensusBytes + 1));
   data_.resize(row_bytes_ * static_cast<std::size_t>(image.height));
   values_.resize(static_cast<std::size_t>(image.width) + MatchingCosts::kLanes);

@@ -103,16 +103,17 @@ void plain_down(const MatchingCosts& c, const DownSweep& s, std::uint8_t step) {
   for (int x = 0; x < c.width; ++x) {
     const auto at = static_cast<std::size_t>(x);
     for (int r = 0; r < 3; ++r) {
-      const int from = x + r - 1;
+      const int from = x + r - 1, place = from + 1;
       plain_path(c.disparities, s.costs + at * static_cast<std::size_t>(c.disparities), s.above[r]->at(from),
-                 s.above[r]->least[static_cast<std::size_t>(from + 1)], step, s.jump[r][x], s.here[r]->at(x),
+                 s.above[r]->least[static_cast<std::size_t>(place)], step, s.jump[r][x], s.here[r]->at(x),
                  s.here[r]->least[at + 1]);
     }
     std::uint16_t* const sums = s.sums;
     for (int d = 0; d < c.disparities; ++d) {
       sums[d] = static_cast<std::uint16_t>(s.west->at(x)[d] + s.east->at(x)[d] + s.here[0]->at(x)[d] +
                                            s.here[1]->at(x)[d] + s.here[2]->at(x)[d]);
-      const auto m = static_cast<std::size_t>(c.width - 1 - x + d);
+      const int mirrored = c.width - 1 - x + d;
+      const auto m = static_cast<std::size_t>(mirrored);
       if (sums[d] < s.right_cost[m]) {
         s.right_cost[m] = sums[d];
         s.right_place[m] = static_cast<std::uint16_t>(d);

@@ -24,9 +24,11 @@ std::vector<StereoReading> stereo_readings(const DisparityMap& map, const PairGe
                                            double max_range_m) {
   const std::vector<StereoPoint> points = stereo_points(map, geometry, sigma_disparity);
   const int columns = (map.width + cell - 1) / cell, rows = (map.height + cell - 1) / cell;
-  std::vector<std::vector<const StereoPoint*>> cells(static_cast<std::size_t>(columns * rows));
+  std::vector<std::vector<const StereoPoint*>> cells(static_cast<std::size_t>(columns) *
+                                                     static_cast<std::size_t>(rows));
   for (const StereoPoint& point : points) {
-    cells[static_cast<std::size_t>(point.row / cell * columns + point.column / cell)].push_back(&point);
+    const int at = point.row / cell * columns + point.column / cell;
+    cells[static_cast<std::size_t>(at)].push_back(&point);
   }
   std::vector<StereoReading> readings;
   for (auto& inside : cells) {

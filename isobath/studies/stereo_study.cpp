@@ -71,7 +71,7 @@ std::vector<float> true_z(const CameraSimulator& simulator, const Pose& X_WL, co
   return all;
 }
 
-StereoPair simulated_pair(const StereoRequest& request, StereoCalibration calibration) {
+StereoPair simulated_pair(const StereoRequest& request, const StereoCalibration& calibration) {
   const Scene scene = load_scene(request.scene.string());
   const World world(scene);
   const CameraSimulator simulator(world, static_cast<std::uint64_t>(request.seed), request.matching.threads);

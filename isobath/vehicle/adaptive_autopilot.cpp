@@ -99,7 +99,7 @@ void AdaptiveAutopilot::refer_to_attitude(const Step& step, ReferenceMotion& ref
     pitch = Angle();
   }
   const Rotation R_DB = Rotation::from_heading_pitch_roll(step.setpoint.heading, pitch, roll).inverse() * R_WB;
-  const Eigen::Quaterniond q = R_DB.quaternion();
+  const Eigen::Quaterniond& q = R_DB.quaternion();
   const double sign = q.w() < 0 ? -1 : 1;
   const Eigen::Vector3d error = 2 * sign * q.vec();
   const Eigen::Vector3d change = sign * (q.w() * at.w_B + q.vec().cross(at.w_B));

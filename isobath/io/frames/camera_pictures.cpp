@@ -84,7 +84,7 @@ CameraImage parse_jpeg(std::span<const std::uint8_t> bytes, const std::string& f
 CameraImage parse_png_picture(std::span<const std::uint8_t> bytes, const std::string& file) {
   const PngRows rows = parse_png(bytes, file);
   CameraImage image(rows.width, rows.height, rows.channels < 3 ? 1 : 3);
-  const auto stored = static_cast<std::size_t>(rows.channels * rows.sample_bytes);
+  const auto stored = static_cast<std::size_t>(rows.channels) * static_cast<std::size_t>(rows.sample_bytes);
   const auto kept = static_cast<std::size_t>(image.channels);
   for (std::size_t i = 0, n = image.samples.size() / kept; i < n; ++i) {
     for (std::size_t c = 0; c < kept; ++c) {  // of 16 bits the upper byte

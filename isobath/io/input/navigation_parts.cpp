@@ -28,7 +28,7 @@ std::optional<Navigation> NavigationParts::on_position(Time time, const Eigen::V
 }
 
 std::optional<Navigation> NavigationParts::on_position(Time time, const GeoPoint& point,
-                                                       std::optional<Eigen::Vector3d> v_WB, double sigma_m) {
+                                                       const std::optional<Eigen::Vector3d>& v_WB, double sigma_m) {
   if (!valid(point) || point == GeoPoint{}) return {};
   const GeoOrigin origin = report_.origin.value_or(point);
   if (distance_m(origin, point) > kFarthestPosition) return {};

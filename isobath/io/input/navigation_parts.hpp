@@ -27,7 +27,7 @@ class NavigationParts {
   std::optional<Navigation> on_position(Time time, const Eigen::Vector2d& north_east,
                                         std::optional<Eigen::Vector3d> v_WB, double sigma_m = 0);
   /// Ignores positions that are invalid, 0 N 0 E, or over 1000 km from the origin.
-  std::optional<Navigation> on_position(Time time, const GeoPoint& point, std::optional<Eigen::Vector3d> v_WB,
+  std::optional<Navigation> on_position(Time time, const GeoPoint& point, const std::optional<Eigen::Vector3d>& v_WB,
                                         double sigma_m = 0);
   void on_depth(Time time, double depth_m);
 

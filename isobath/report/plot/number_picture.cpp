@@ -77,7 +77,8 @@ class NumberCanvas : public Canvas {
 
 std::string number_picture(std::span<const float> values, int width, int height, const NumberPictureLabels& labels,
                            std::optional<std::pair<double, double>> limits) {
-  const auto [low, high] = limits ? *limits : limits_of(values);
+  const std::pair<double, double> range = limits ? *limits : limits_of(values);
+  const double low = range.first, high = range.second;
   const int zoom = std::clamp(640 / width, 1, 4), skip = std::max(1, width / 640);
   const int plot_width = width * zoom / skip, plot_height = height * zoom / skip;
   NumberCanvas canvas(plot_width, plot_height);

@@ -226,7 +226,7 @@ void TelemetryLog::tell_counts() {
   const auto used = [](std::uint32_t id) {
     switch (static_cast<MavlinkId>(id)) {
       case MavlinkId::kAttitude: return ", used as attitudes";
-      case MavlinkId::kLocalPositionNed: return ", used as positions";
+      case MavlinkId::kLocalPositionNed:
       case MavlinkId::kGlobalPositionInt: return ", used as positions";
       case MavlinkId::kGpsGlobalOrigin: return ", used as the origin";
       case MavlinkId::kDistanceSensor:
