@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <isobath/base/error.hpp>
+#include <isobath/base/text_file.hpp>
 #include <isobath/io/ros/ros_decoding.hpp>
-#include <iterator>
 
 namespace isobath {
 namespace {
@@ -49,10 +47,7 @@ Rotation from_starboard_down(RosAxes axes) {
 
 std::optional<FrameGeometry> geometry_of_images(const InputConfig& config) {
   if (config.frame_geometry.empty()) return {};
-  std::ifstream file(config.frame_geometry, std::ios::binary);
-  if (!file) throw Error("cannot be read", {config.frame_geometry, {}, {}, {}, "input.frame_geometry"});
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  return with_overrides(parse_frame_geometry(text, config.frame_geometry), config);
+  return with_overrides(parse_frame_geometry(text_of_file(config.frame_geometry), config.frame_geometry), config);
 }
 
 /// The pose of a frame in the one below `body` that it hangs on; empty: it does not.

@@ -32,7 +32,7 @@ class RosValue {
   }
   [[nodiscard]] std::string_view text() const;
   [[nodiscard]] std::optional<Time> time() const;
-  /// Of arrays: of any elements, of numbers, and the bytes of numbers as they lie in the message.
+  /// Three views of an array: its elements, its numbers, and the bytes of its numbers as they lie in the message.
   [[nodiscard]] std::vector<RosValue> elements() const;
   [[nodiscard]] std::vector<double> numbers() const;
   [[nodiscard]] Bytes bytes() const;

@@ -1,13 +1,14 @@
 // The events of a recording of ROS: which topics are read, and the order in which their events leave.
 //
-// Of each use (RosUse) one topic is read: that with the lowest rank of its type, of these the one with the most
-// messages, of these the first by name. Patterns of InputConfig::topics choose instead within the uses that they name.
-// Without them, point clouds and laser scans are left aside in a log with sonar images, since they are mostly made from
-// these; attitudes, positions and depths in a log with poses. The report names every topic, with what it is used as.
+// One topic of each use (RosUse) is read: the one whose type has the lowest rank; between topics of one rank the one
+// with the most messages; between equal ones the first by name. Patterns of InputConfig::topics choose instead within
+// the uses that they name. Without them, point clouds and laser scans are left aside in a log with sonar images, since
+// they are mostly made from these; attitudes, positions and depths in a log with poses. The report names every topic,
+// with what it is used as.
 //
-// The time of an event is that of the message's header. Where that is not set or is over kMaxStampOffset from the time
-// of recording, it is the latter. Events leave by time, at equal times fixes first; an event is held back until a
-// message was recorded kWait after it, or kMaxHeld wait.
+// The time of an event is that of the message's header. Where that is not set, or differs from the time of recording by
+// more than kMaxStampOffset, the time of recording is used. Events leave by time, at equal times fixes first; an event
+// is held back until a message was recorded kWait after it, or kMaxHeld wait.
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
@@ -15,6 +16,7 @@
 #include <isobath/io/ros/ros_decoding.hpp>
 #include <isobath/io/ros/ros_recording.hpp>
 #include <map>
+#include <set>
 
 namespace isobath {
 namespace {
@@ -23,7 +25,7 @@ constexpr Duration kWait = std::chrono::seconds(1);
 constexpr Duration kMaxStampOffset = std::chrono::seconds(60);
 constexpr std::size_t kMaxHeld = 2000, kMaxTopicsNamed = 200;
 
-/// Of two topics of one use, whether `a` is read rather than `b`.
+/// Whether topic `a` is read rather than `b`, which has the same use.
 bool goes_before(const RosTopic& a, const RosTopic& b) {
   const int rank_a = ros_decoder_of(a.type)->rank, rank_b = ros_decoder_of(b.type)->rank;
   if (rank_a != rank_b) return rank_a < rank_b;
@@ -79,7 +81,7 @@ class TopicChooser {
     const bool is_named = !named.empty();
     if (is_named) {
       candidates = named;
-      named_[use] = true;
+      named_.insert(use);
     }
     if ((is_named && may_be_several(use)) || use == RosUse::kTransforms) {
       for (const std::size_t i : candidates) mark(i, use);
@@ -114,7 +116,7 @@ class TopicChooser {
   const InputConfig& config_;
   std::vector<TopicChoice> choices_;
   std::map<RosUse, std::vector<std::size_t>> by_use_;
-  std::map<RosUse, bool> named_;  ///< uses that a pattern names
+  std::set<RosUse> named_;  ///< uses that a pattern names
 };
 
 class RosSource final : public Source {

@@ -305,9 +305,9 @@ void GoalSelector::tick(Time now, Outbox& out) {
   enter(assess(now), now, out);
   const bool circles = hold_W_ && vehicle_.min_speed > 0;
   const Vector2d here_W = here_->X_WB.translation.head<2>();
+  const double near_m = 4 * turning_radius_m() + kReach_m;
   const auto is_near = [&](const MovingBody& body) {
-    return (body.p_W - here_W).norm() - circumscribed_radius(body) < 4 * turning_radius_m() + kReach_m &&
-           distance_to(body, here_W, 0) < 4 * turning_radius_m() + kReach_m;
+    return (body.p_W - here_W).norm() - circumscribed_radius(body) < near_m && distance_to(body, here_W, 0) < near_m;
   };
   if (bodies_.empty() && !(circles && std::ranges::any_of(still_->bodies, is_near))) return;
   aim();

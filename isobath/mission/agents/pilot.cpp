@@ -56,6 +56,7 @@ void Pilot::tick(Time now, Outbox& out) {
     return;
   }
   rest_.reset();
+  if (here_->v_WB) drift_.update(here_->X_WB.rotation.heading(), *here_->v_WB, guidance_.drift_time, dt);
   const Setpoint wanted = task_ == Task::kFollow ? follow(dt, now, out) : hold(dt, now);
   out.say(HelmOrder{task_ == Task::kSurface ? wanted : at_its_depth(wanted, now)});
 }
@@ -124,17 +125,16 @@ double Pilot::hold_speed() const {
   return vehicle_.min_speed > 0 ? std::max({config_.hold_speed, vehicle_.min_speed, went_}) : config_.hold_speed;
 }
 
+bool Pilot::is_steered(Time now) const { return motion_ && now - motion_->time <= MotionOrder::kLasts; }
+
 /// The vehicle leaves its place for a motion past bodies that move, and comes back afterwards.
 Setpoint Pilot::hold(double dt, Time now) {
-  if (here_->v_WB) drift_.update(here_->X_WB.rotation.heading(), *here_->v_WB, guidance_.drift_time, dt);
-  const bool moves = task_ == Task::kHold && motion_ && now - motion_->time <= MotionOrder::kLasts;
-  if (!moves) return station_.step(here_->X_WB, here_->v_WB, dt);
+  if (task_ == Task::kSurface || !is_steered(now)) return station_.step(here_->X_WB, here_->v_WB, dt);
   return along_motion(station_.place().depth, std::max(went_, hold_speed()), now);
 }
 
 Setpoint Pilot::follow(double dt, Time now, Outbox& out) {
-  if (here_->v_WB) drift_.update(here_->X_WB.rotation.heading(), *here_->v_WB, guidance_.drift_time, dt);
-  if (motion_ && now - motion_->time <= MotionOrder::kLasts) return follow_motion(now, out);
+  if (is_steered(now)) return follow_motion(now, out);
   if (std::exchange(motion_, std::nullopt)) {
     first_ = told_;
     line_of_sight_->follow({order_.waypoints.begin() + static_cast<std::ptrdiff_t>(first_), order_.waypoints.end()});

@@ -54,6 +54,7 @@ class Pilot final : public Agent {
   Setpoint follow(double dt, Time now, Outbox& out);
   Setpoint follow_motion(Time now, Outbox& out);
   [[nodiscard]] Setpoint along_motion(double depth, double max_speed, Time now) const;
+  [[nodiscard]] bool is_steered(Time now) const;  ///< by the Goal Selector
   Setpoint hold(double dt, Time now);
   void report(Outbox& out);
   void pass(bool reached, Outbox& out);

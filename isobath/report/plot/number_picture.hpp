@@ -13,8 +13,8 @@ struct NumberPictureLabels {
   std::string unit;  ///< beside the scale: "depth (m)"
 };
 
-/// PNG. Values by row from the top; NaN is grey. Without `limits` the scale reaches from the 1st to the 99th per cent
-/// of the values. A map wider or narrower than 640 pixels is drawn with whole pixels, up to 4 x 4 for one.
+/// PNG. Values by row from the top; NaN is grey. Without `limits` the scale reaches from the 1st to the 99th
+/// percentile. A map wider or narrower than 640 pixels is drawn with whole pixels, up to 4 x 4 for one.
 std::string number_picture(std::span<const float> values, int width, int height, const NumberPictureLabels& labels,
                            std::optional<std::pair<double, double>> limits = {});
 
