@@ -1,5 +1,3 @@
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <fmt/format.h>
 #include <future>
@@ -10,6 +8,7 @@
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
+#include <isobath/app/vehicle_page.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/printable_text.hpp>
@@ -22,7 +21,6 @@
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -31,52 +29,9 @@ namespace {
 
 struct ServeOptions : RunOptions {
   std::string speed;
-  std::string token_file;
-  WebServerConfig server;
-  std::optional<std::string> address;
-  std::optional<int> port;
-  std::vector<std::string> limits;
+  PageOptions page;
   bool anew = false, live = false, json = false;
 };
-
-std::atomic<bool> interrupted{false};  // a signal may come at any time
-
-void interrupt(int /*signal*/) { interrupted = true; }
-
-/// Reads the token from a file, because every user of the machine can read the command line.
-std::string token_of(const std::string& file) {
-  if (file.empty()) return {};
-  std::string token = text_of_file(file);
-  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) token.pop_back();
-  if (token.empty())
-    throw Error("holds no token", {file, {}, {}, {}, {}}, "one line", "make one with: openssl rand -hex 16");
-  return token;
-}
-
-WebServerConfig server_of(const ServeOptions& options) {
-  WebServerConfig server = options.server;
-  std::vector<Section> sections = {{"server", "The live page's server.", fields(server)}};
-  if (options.address) server.address = *options.address;
-  if (options.port) server.port = *options.port;
-  for (const std::string& limit : options.limits) {
-    if (limit.find('=') == std::string::npos) throw Error("not of the form key=value", {"--limit " + limit});
-    set_from_text("server." + limit, sections, "--limit");
-  }
-  return server;
-}
-
-std::vector<std::string> limit_names() {
-  WebServerConfig server;
-  std::vector<std::string> names;
-  for (const Field& field : fields(server)) names.push_back(field.name() + "=");
-  return names;
-}
-
-std::string place_of(const WebServerConfig& config, int port) {
-  const bool any = config.address == "0.0.0.0" || config.address == "::";
-  const bool six = config.address.find(':') != std::string::npos && !any;
-  return fmt::format("http://{}{}{}:{}/", six ? "[" : "", any ? "localhost" : config.address, six ? "]" : "", port);
-}
 
 /// The default is 4 for the embedded scene, whose sonar takes 12 s for its first turn, else 1.
 std::string speed_words(const ServeOptions& options) {
@@ -112,7 +67,7 @@ void announce(const ServeOptions& options, const std::string& place, int port, b
 void print_end(const ServeOptions& options, const RunOutcome& outcome) {
   const RunRequest& request = options.request;
   if (options.json) {
-    nlohmann::ordered_json json{{"event", "finished"}, {"stopped", interrupted.load()}};
+    nlohmann::ordered_json json{{"event", "finished"}, {"stopped", is_interrupted()}};
     json.update(run_json(request, outcome));
     return print_json_line(json);
   }
@@ -122,23 +77,19 @@ void print_end(const ServeOptions& options, const RunOutcome& outcome) {
   }
   if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
-  if (!interrupted) fmt::print("the run is over; its page stays up\n");
+  if (!is_interrupted()) fmt::print("the run is over; its page stays up\n");
   std::fflush(stdout);
 }
 
 void print_group_end(const ServeOptions& options, const GroupOutcome& outcome) {
   if (options.json) {
-    nlohmann::ordered_json json{{"event", "finished"}, {"stopped", interrupted.load()}};
+    nlohmann::ordered_json json{{"event", "finished"}, {"stopped", is_interrupted()}};
     json.update(group_results_json(options.request, outcome));
     return print_json_line(json);
   }
   print_group_results(options.request, outcome);
-  if (!interrupted) fmt::print("the run is over; its pages stay up\n");
+  if (!is_interrupted()) fmt::print("the run is over; its pages stay up\n");
   std::fflush(stdout);
-}
-
-void wait_for_interrupt() {
-  while (!interrupted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
 /// Serves the page of a recording; nothing runs.
@@ -154,79 +105,6 @@ int serve_recording(const ServeOptions& options, const WebServerConfig& config) 
   wait_for_interrupt();
   return kSuccess;
 }
-
-/// The command of a page that waits for the run, if there is one. Any thread may call it.
-class Orders {
- public:
-  std::string take(PageCommand command) {
-    const std::lock_guard lock(mutex_);
-    if (over_) return "the mission is over";
-    if (order_) return "the previous command is still pending";
-    using Kind = OperatorCommand::Kind;
-    switch (command) {
-      case PageCommand::kHold: order_ = Kind::kHold; break;
-      case PageCommand::kResume: order_ = Kind::kResume; break;
-      case PageCommand::kAbort: order_ = Kind::kAbort; break;
-      case PageCommand::kAcknowledge: order_ = Kind::kAcknowledge; break;
-    }
-    return {};
-  }
-  std::optional<OperatorCommand::Kind> next() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(order_, std::nullopt);
-  }
-  void close() {
-    const std::lock_guard lock(mutex_);
-    over_ = true;
-  }
-
- private:
-  std::mutex mutex_;
-  std::optional<OperatorCommand::Kind> order_;
-  bool over_ = false;
-};
-
-/// Start of the run and its present time, on its own clock.
-TimeSpan span_of(const DisplayState& items) {
-  const auto [first, last] = items.times();
-  return {first, last};
-}
-
-/// What the page of one vehicle shows, and what it orders.
-class VehiclePage {
- public:
-  VehiclePage() = default;
-  VehiclePage(const VehiclePage&) = delete;
-  VehiclePage& operator=(const VehiclePage&) = delete;
-  ~VehiclePage() = default;
-
-  [[nodiscard]] RunWatch watch(double speed) {
-    return {&items_, speed, [] { return interrupted.load(); }, [this] { return orders_.next(); }};
-  }
-  /// Sources of the page; throws Error as check_page_sources.
-  const PageSources& sources(const std::filesystem::path& record, const std::string& token) {
-    sources_.live = std::shared_ptr<SharedChanges>(&shared_, [](SharedChanges*) {});
-    sources_.live_span = [this] { return span_of(items_); };
-    sources_.over = [this] { return over_.load(); };
-    sources_.open_playback = [record] { return std::make_unique<RecordedPlayback>(record); };
-    sources_.token = token;
-    if (!token.empty()) sources_.command = [this](PageCommand command) { return orders_.take(command); };
-    sources_.version = ISOBATH_VERSION;
-    check_page_sources(sources_);
-    return sources_;
-  }
-  void close() {
-    orders_.close();
-    over_ = true;
-  }
-
- private:
-  DisplayState items_;
-  SharedChanges shared_{items_};
-  Orders orders_;
-  std::atomic<bool> over_{false};
-  PageSources sources_;
-};
 
 /// The result of a run of one vehicle or of a group.
 struct ServedRun {
@@ -248,7 +126,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   const double speed = speed_of(speed_words(options));
   if (options.live) request.live_speed = speed;
   const std::optional<Scenario> group = vehicle_group_of(request);
-  const std::string token = token_of(options.token_file);
+  const std::string token = options.page.token();
   std::vector<std::unique_ptr<VehiclePage>> pages;
   std::vector<const PageSources*> sources;
   std::vector<RunWatch> watches;
@@ -274,10 +152,10 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   int code = kSuccess;  // a run that the user stopped has not failed
   if (served.group) {
     print_group_end(options, *served.group);
-    if (!interrupted) code = conclude_group(*served.group);
+    if (!is_interrupted()) code = conclude_group(*served.group);
   } else {
     print_end(options, served.alone);
-    if (!interrupted) code = conclude(request, served.alone);
+    if (!is_interrupted()) code = conclude(request, served.alone);
   }
   wait_for_interrupt();
   server.stop();
@@ -287,9 +165,8 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
 int serve(ServeOptions& options) {
   if (live_page().empty())
     throw Error("this program was built without the live page", {}, "", "build it with ISOBATH_PAGE=ON");
-  const WebServerConfig config = server_of(options);
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  const WebServerConfig config = options.page.server();
+  listen_for_interrupt();
   const bool recorded = !options.anew && !options.live && is_recording(options.request.input);
   return recorded ? serve_recording(options, config) : serve_run(options, config);
 }
@@ -298,7 +175,6 @@ int serve(ServeOptions& options) {
 
 Action add_serve(CLI::App& program) {
   auto options = std::make_shared<ServeOptions>();
-  const WebServerConfig& server = options->server;
   CLI::App* command =
       program.add_subcommand("serve", "Run like isobath run and show the live page, or show a recording");
   command->add_option("INPUT", options->request.input, "Log, scene (.toml) or recording (.mcap)")
@@ -308,26 +184,7 @@ Action add_serve(CLI::App& program) {
   command
       ->add_flag("--json", options->json, "JSON on standard output: a line when the page is up, another after the run")
       ->group("Output");
-  command->add_option("--port", options->port, "Port; 0: any free port")
-      ->check(whole(0, 65535))
-      ->default_str(std::to_string(server.port))
-      ->group("Page");
-  command->add_option("--address", options->address, "Address to serve at; 0.0.0.0: all networks")
-      ->type_name("ADDRESS")
-      ->default_str(server.address + ", this machine only")
-      ->group("Page");
-  command
-      ->add_option(
-          "--token-file", options->token_file,
-          "File with a token; a page that sends it may hold, resume and abort the mission, and acknowledge alarms")
-      ->type_name("FILE")
-      ->check(reads())
-      ->group("Page");
-  command->add_option("--limit", options->limits, "One limit of the server, such as max_clients=4")
-      ->type_name("KEY=VALUE")
-      ->check(such_as(limit_names))
-      ->allow_extra_args(false)
-      ->group("Page");
+  options->page.add_to(*command);
   command->add_option("--speed", options->speed, "A multiple of real time, or max")
       ->type_name("FACTOR")
       ->check(speed())

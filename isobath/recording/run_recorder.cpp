@@ -10,6 +10,8 @@
 namespace isobath {
 namespace {
 
+constexpr const char* kRealThreads = "real threads; a replay may decide otherwise";
+
 /// Groups of channels. Each group has its own chunks, so that a reader of one kind reads nothing else. Events have 0.
 enum ChannelGroup : int { kDisplayGroup = 1, kWholeGroup, kMessageGroup, kFoxgloveGroup };
 
@@ -70,15 +72,19 @@ void RunRecorder::describe(const Simulator& simulator, const std::string& scenar
   guarded([&] {
     std::map<std::string, std::string> details{{"scene", simulator.scene().about.title},
                                                {"seed", fmt::format("{}", simulator.seed())}};
-    if (live) details[kLiveDetail] = "real threads; a replay may decide otherwise";
+    if (live) details[kLiveDetail] = kRealThreads;
     log_.set_details(details);
     log_.attach(kScenarioAttachment, kToml, scenario_toml);
   });
   if (const auto origin = simulator.scene().origin()) locate(*origin);
 }
 
-void RunRecorder::describe(const SourceReport& source) {
-  guarded([&] { log_.set_details(source.details); });
+void RunRecorder::describe(const SourceReport& source, bool live) {
+  guarded([&] {
+    std::map<std::string, std::string> details = source.details;
+    if (live) details[kLiveDetail] = kRealThreads;
+    log_.set_details(details);
+  });
   if (source.origin) locate(*source.origin);
 }
 

@@ -59,7 +59,7 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   // The inputs of the run; call before the first event.
   /// `live`: a run with real threads, whose replay may decide otherwise (kLiveDetail).
   void describe(const Simulator& simulator, const std::string& scenario_toml, bool live = false);
-  void describe(const SourceReport& source);
+  void describe(const SourceReport& source, bool live = false);
   void describe(const MissionSetup& setup);
   /// The geographic origin of W, once it is known; only the first call counts.
   void locate(const GeoOrigin& origin);

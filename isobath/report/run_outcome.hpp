@@ -35,6 +35,20 @@ struct LiveOutcome {
   std::string display_problem;  ///< why the display failed and nothing more was shown or recorded; empty: it did not
 };
 
+/// What a run on a vehicle sent, and how long that took.
+struct AboardOutcome {
+  std::uint64_t setpoints = 0;  ///< sent
+  std::uint64_t withheld = 0;   ///< not sent, because the autopilot was not armed and in GUIDED
+  std::uint64_t damaged = 0;    ///< stretches of bytes of the autopilot that were no frame
+  StageTime ping_to_setpoint;   ///< from the last byte of a ping to the first set-point after it was mapped
+  struct Device {
+    std::string name;
+    bool heard = false;
+    std::uint64_t losses = 0;  ///< of its link
+  };
+  std::vector<Device> devices;
+};
+
 struct RunOutcome {
   std::vector<Alarm> alarms;  ///< raised during the run
   PipelineCounts counts;
@@ -56,6 +70,7 @@ struct RunOutcome {
   std::optional<MissionOutcome> mission;       ///< if there was a mission
   std::optional<FanDeparture> fan;             ///< if sensor.model names a fan model and pings were decided by it
   std::optional<LiveOutcome> live;             ///< live runs only
+  std::optional<AboardOutcome> aboard;         ///< runs on a vehicle only
   std::string map_holds;                       ///< why the map stays as it is: it already holds this log; else empty
   std::string recording_problem;               ///< why the recording ends before the run does; empty: it does not
   std::uint64_t not_recorded = 0;              ///< what came after that

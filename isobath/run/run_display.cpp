@@ -61,11 +61,11 @@ RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSet
     : input_(input) {
   if (!request.record.empty()) begin_recording(request, setup, input);
   if (request.watch && request.watch->display) shown_ = request.watch->display;
-  if (EmbeddedReplay::wanted(request.configuration.report) && !request.live_speed)
+  if (EmbeddedReplay::wanted(request.configuration.report) && !request.has_real_threads())
     replay_.emplace(request.configuration.report);
   if (!request.watch && !recorder_ && !replay_) return;
   display_.emplace(*shown_);
-  if (!request.live_speed) return;
+  if (!request.has_real_threads()) return;
   voxels_.emplace(*shown_);
   thread_.emplace(kWaiting);
 }
@@ -75,7 +75,7 @@ void RunDisplay::begin_recording(const RunRequest& request, const std::optional<
   if (SimulatedSource* simulated = input.simulated()) {
     recorder_->describe(simulated->simulator(), scenario_text(request.input), request.live_speed.has_value());
   } else {
-    recorder_->describe(input.report());
+    recorder_->describe(input.report(), request.has_real_threads());
   }
   if (setup) recorder_->describe(*setup);
 }

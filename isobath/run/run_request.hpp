@@ -19,6 +19,8 @@ struct RunWatch {
   std::function<std::optional<OperatorCommand::Kind>()> ordered;
 };
 
+class Aboard;
+
 struct RunRequest {
   std::filesystem::path input;              ///< log, folder of frames, or scene (.toml); empty: the embedded scene
   std::optional<std::size_t> vehicle = {};  ///< the vehicle of a scene with a group (Scenario::of_vehicle)
@@ -32,10 +34,14 @@ struct RunRequest {
   /// A live run at this many times real time; 0: as fast as possible, with a wait for all threads ten times per
   /// simulated second. Empty: not live.
   std::optional<double> live_speed;
+  Aboard* aboard = nullptr;  ///< a run on a vehicle: `input` is its file; the events come from its devices
   std::optional<RunWatch> watch;
   int threads = 2;       ///< 1: reading and mapping alternate; 2: a thread of its own reads ahead
   bool timings = false;  ///< measured times in the report, whose bytes then differ from run to run
   std::function<void(const SourceReport&, const PipelineCounts&)> progress;  ///< called after each event
+
+  /// Whether mapping, agents and display have threads of their own.
+  [[nodiscard]] bool has_real_threads() const { return live_speed || aboard; }
 };
 
 }  // namespace isobath

@@ -100,6 +100,12 @@ RunInput::RunInput(const std::filesystem::path& input, const std::optional<Scena
   source_ = opened_.get();
 }
 
+RunInput::RunInput(Source& devices, const std::optional<GeoOrigin>& frame) : frame_(frame), source_(&devices) {
+  if (!frame) return;
+  opened_ = std::make_unique<PlacedSource>(devices, *frame, nullptr);
+  source_ = opened_.get();
+}
+
 std::optional<Event> RunInput::next() {
   if (ahead_.empty()) return source_->next();
   Event event = std::move(ahead_.front());

@@ -30,6 +30,8 @@ class RunInput {
   /// open_run_source.
   RunInput(const std::filesystem::path& input, const std::optional<Scenario>& scenario,
            const Configuration& configuration, const std::optional<GeoOrigin>& frame, int threads);
+  /// The devices of a vehicle, which must outlive it.
+  RunInput(Source& devices, const std::optional<GeoOrigin>& frame);
 
   std::optional<Event> next();
   /// Reads ahead until the pipeline can decide its first ping (listen_ahead). `next` returns these events first.

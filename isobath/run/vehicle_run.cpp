@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/run/aboard.hpp>
 #include <isobath/run/log_identity.hpp>
 #include <isobath/run/mission_input.hpp>
 #include <isobath/run/run_outputs.hpp>
@@ -50,7 +51,7 @@ std::vector<std::string> checked_priors(const RunRequest& request) {
 
 /// The scenario, if the input is one.
 std::optional<Scenario> scenario_of_input(const RunRequest& request) {
-  if (!is_scene(request.input)) return std::nullopt;
+  if (request.aboard || !is_scene(request.input)) return std::nullopt;
   Scenario scenario = open_scenario(request.input);
   return request.vehicle ? scenario.of_vehicle(*request.vehicle) : std::move(scenario);
 }
@@ -68,6 +69,12 @@ RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario
     request.configuration = named->with_prior(request.configuration);
   }
   return request;
+}
+
+RunInput input_of(const RunRequest& request, const std::optional<Scenario>& scenario,
+                  const std::optional<GeoOrigin>& frame) {
+  if (request.aboard) return {request.aboard->links().source(), frame};
+  return {request.input, scenario, request.configuration, frame, request.threads};
 }
 
 void check_live(const RunRequest& request, bool mission_in_a_scene) {
@@ -97,7 +104,7 @@ VehicleRun::VehicleRun(const RunRequest& asked)
       held_(visit_of(request_.map, fingerprint_)),
       depths_(request_.configuration, held_ ? std::filesystem::path() : request_.map,
               to_toml(request_.configuration, false)),
-      input_(request_.input, scenario_, request_.configuration, depths_.stored_origin(), request_.threads),
+      input_(input_of(request_, scenario_, depths_.stored_origin())),
       setup_(mission()),
       folder_(request_.out, request_.configuration),
       display_(request_, setup_, input_),
@@ -107,14 +114,18 @@ VehicleRun::VehicleRun(const RunRequest& asked)
                 .times = times_,
                 .voxel_file = request_.out / "voxels.sqlite",
                 .corners = charted_corners(request_.map, priors_, request_.configuration, input_.origin()),
-                .live = request_.live_speed.has_value()}) {
+                .live = request_.has_real_threads()}) {
   depths_.set_prior_files(priors_);
   if (request_.live_speed.value_or(0) > 0) cycles_.emplace(*request_.live_speed);
   invite_observers();
   if (request_.watch) watched_.emplace(*request_.watch);
-  if (request_.live_speed) {
+  if (request_.has_real_threads()) {
     live_datum_ = depths_.continues() ? depths_.facts().datum : request_.configuration.prior.datum;
-    live_.emplace(*request_.live_speed, *input_.simulator());
+  }
+  if (request_.live_speed) live_.emplace(*request_.live_speed, *input_.simulator());
+  if (request_.aboard) {
+    onboard_.show_to(*request_.aboard);
+    if (setup_) request_.aboard->set_plan(setup_->plan);
   }
 }
 
@@ -122,6 +133,10 @@ std::optional<MissionSetup> VehicleRun::mission() {
   auto setup = mission_setup(request_.mission, scenario_ ? &*scenario_ : nullptr, request_.input, input_.simulator());
   check_live(request_, setup && input_.simulated());
   if (!setup) return setup;
+  if (request_.aboard) {
+    setup->vehicle = request_.aboard->vehicle();
+    setup->plan.waits_for_operator = true;  // until the vehicle is armed and in GUIDED
+  }
   timing_ = check_timing(request_.configuration.mission.timing);
   setup->chart = chart_of(request_.map, priors_, request_.configuration, input_.origin());
   if (SimulatedSource* simulated = input_.simulated()) simulated->add_operator(scenario_->orders, setup->plan);
@@ -130,7 +145,7 @@ std::optional<MissionSetup> VehicleRun::mission() {
 
 std::unique_ptr<Helm> VehicleRun::make_helm() const {
   if (!setup_) return nullptr;
-  if (request_.live_speed) return make_threaded_helm(*setup_, request_.configuration, times_);
+  if (request_.has_real_threads()) return make_threaded_helm(*setup_, request_.configuration, times_);
   return make_serial_helm(*setup_, request_.configuration, times_);
 }
 
@@ -183,9 +198,10 @@ RunOutcome VehicleRun::outcome() {
   std::vector<double> ping_ms = onboard_.ping_ms();
   outcome.timings = timings_of(ping_ms, milliseconds_since(began_));
   outcome.timings.load = onboard_.load();
-  if (live_) {
+  if (is_live()) {
     outcome.live.emplace().lost_pings = onboard_.lost_pings();
-    outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
+    if (outcome.mission) outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
+    if (request_.aboard) outcome.aboard = request_.aboard->outcome();
   }
   if (first_ <= last_) outcome.started = first_;
   outcome.log_s = last_ > first_ ? to_seconds(last_ - first_) : 0;
@@ -250,7 +266,7 @@ std::optional<Event> VehicleRun::next() {
 bool VehicleRun::take(Event event) {
   const Time time = time_of(event);
   const bool is_first = first_ == Time::max();
-  if (!live_ || is_first) depths_.locate(input_.origin());  // the origin of a scene is known from the start
+  if (!is_live() || is_first) depths_.locate(input_.origin());  // the origin of a scene is known from the start
   if (setup_ && is_first) check_frame(setup_->plan, input_.origin());
   if (watched_ && !watched_->keep(time)) return false;
   if (SimulatedSource* simulated = input_.simulated(); simulated && watched_ && setup_ && request_.watch->ordered) {
@@ -260,7 +276,8 @@ bool VehicleRun::take(Event event) {
   if (live_ && live_->keep(onboard_)) display_.settle();
   first_ = std::min(first_, time);
   last_ = std::max(last_, time);
-  if (request_.progress) request_.progress(input_.report(), live_ ? PipelineCounts{} : onboard_.pipeline().counts());
+  if (request_.progress)
+    request_.progress(input_.report(), is_live() ? PipelineCounts{} : onboard_.pipeline().counts());
   note_servo(time);
   mission_over_ = !steer();
   onboard_.beside().enter(Stage::kReport);
@@ -270,7 +287,7 @@ bool VehicleRun::take(Event event) {
 }
 
 void VehicleRun::note_servo(Time time) {
-  if (!helm_ || !input_.simulated() || live_ || (servo_due_ && time < *servo_due_)) return;
+  if (!helm_ || !input_.simulated() || is_live() || (servo_due_ && time < *servo_due_)) return;
   const Simulator& simulator = input_.simulated()->simulator();
   const ActuatorVector commands = simulator.actuator_commands();
   if (commands.size() == 0) return;
@@ -282,8 +299,21 @@ void VehicleRun::note_servo(Time time) {
 bool VehicleRun::steer() {
   if (!helm_) return true;
   if (SimulatedSource* simulated = input_.simulated()) return steer_simulated(onboard_, *helm_, *simulated, end_);
-  (void)onboard_.steer();
-  return true;
+  const Setpoint setpoint = onboard_.steer();
+  if (!request_.aboard) return true;
+  steer_aboard(setpoint);
+  return !request_.aboard->options().ends_with_mission || !end_.reached(helm_->progress().phase, to_seconds(last_));
+}
+
+void VehicleRun::steer_aboard(const Setpoint& setpoint) {
+  Aboard& aboard = *request_.aboard;
+  if (request_.watch && request_.watch->ordered) {
+    if (const auto order = request_.watch->ordered()) aboard.order(*order);
+  }
+  aboard.speak_for_operator(*helm_, last_);
+  aboard.steer(setpoint, last_);
+  if (const auto command = onboard_.take_scan_command()) aboard.scan(*command);
+  aboard.tell(*helm_, last_);
 }
 
 void VehicleRun::show(Time time) {
@@ -292,14 +322,14 @@ void VehicleRun::show(Time time) {
     show_scene(time);
     if (helm_) display_.show(time, onboard_.timings(), onboard_.lost_pings());
   }
-  if (!live_) display_.look(time, onboard_.pipeline(), depths_, onboard_.voxels());
+  if (!is_live()) display_.look(time, onboard_.pipeline(), depths_, onboard_.voxels());
   display_.sample(time);
 }
 
 /// Shows the scene once, and again when it has changed: a body moved, or the origin or the datum became known.
 void VehicleRun::show_scene(Time time) {
   const auto origin = input_.origin();
-  const std::string& datum = live_ ? live_datum_ : depths_.facts().datum;
+  const std::string& datum = is_live() ? live_datum_ : depths_.facts().datum;
   const Simulator* simulator = input_.simulator();
   const auto bodies = simulator ? simulator->world().bodies() : std::span<const WorldBody>();
   const bool moved = std::any_of(bodies.begin(), bodies.end(), [](const WorldBody& body) { return body.moves; });
@@ -344,7 +374,7 @@ MissionOutcome VehicleRun::mission_outcome() {
     mission.truth = track_->truth();
     mission.bodies = outlines_of(simulated->simulator().world());
     if (const SimulatedOperator* at_the_link = simulated->at_the_link()) mission.answers = at_the_link->answers();
-  } else if (input_.report().details.contains(kLiveDetail)) {
+  } else if (request_.aboard || input_.report().details.contains(kLiveDetail)) {
     return mission;  // live runs are not deterministic: their decisions are not compared
   } else if (const auto recorded = compare_with_log(mission.decisions, request_.input)) {
     mission.recorded = recorded->decisions;

@@ -51,6 +51,8 @@ class VehicleRun final : public SteppedRun {
   bool take(Event event);
   /// Sends the set-point of the helm to the vehicle. Returns false once the mission has been over for long enough.
   bool steer();
+  void steer_aboard(const Setpoint& setpoint);
+  [[nodiscard]] bool is_live() const { return request_.has_real_threads(); }
   /// Notes the commands to the actuators, once a cycle of the executors (S2-39).
   void note_servo(Time time);
   void show(Time time);

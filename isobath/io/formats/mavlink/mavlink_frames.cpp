@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <isobath/io/formats/mavlink/mavlink_frames.hpp>
 
 namespace isobath {
@@ -22,17 +23,24 @@ constexpr std::array kKinds{
     MavlinkKind{32, "LOCAL_POSITION_NED", 185},
     MavlinkKind{33, "GLOBAL_POSITION_INT", 104},
     MavlinkKind{36, "SERVO_OUTPUT_RAW", 222},
+    MavlinkKind{40, "MISSION_REQUEST", 230},
+    MavlinkKind{41, "MISSION_SET_CURRENT", 28},
     MavlinkKind{42, "MISSION_CURRENT", 28},
     MavlinkKind{43, "MISSION_REQUEST_LIST", 132},
     MavlinkKind{44, "MISSION_COUNT", 221},
+    MavlinkKind{45, "MISSION_CLEAR_ALL", 232},
+    MavlinkKind{46, "MISSION_ITEM_REACHED", 11},
     MavlinkKind{47, "MISSION_ACK", 153},
     MavlinkKind{48, "SET_GPS_GLOBAL_ORIGIN", 41},
     MavlinkKind{49, "GPS_GLOBAL_ORIGIN", 39},
+    MavlinkKind{51, "MISSION_REQUEST_INT", 196},
     MavlinkKind{62, "NAV_CONTROLLER_OUTPUT", 183},
     MavlinkKind{65, "RC_CHANNELS", 118},
     MavlinkKind{66, "REQUEST_DATA_STREAM", 148},
     MavlinkKind{69, "MANUAL_CONTROL", 243},
+    MavlinkKind{73, "MISSION_ITEM_INT", 38},
     MavlinkKind{74, "VFR_HUD", 20},
+    MavlinkKind{75, "COMMAND_INT", 158},
     MavlinkKind{76, "COMMAND_LONG", 152},
     MavlinkKind{77, "COMMAND_ACK", 143},
     MavlinkKind{84, "SET_POSITION_TARGET_LOCAL_NED", 143},
@@ -58,6 +66,7 @@ constexpr std::array kKinds{
     MavlinkKind{232, "GPS_INPUT", 151},
     MavlinkKind{241, "VIBRATION", 90},
     MavlinkKind{242, "HOME_POSITION", 104},
+    MavlinkKind{244, "MESSAGE_INTERVAL", 95},
     MavlinkKind{251, "NAMED_VALUE_FLOAT", 170},
     MavlinkKind{253, "STATUSTEXT", 83},
     MavlinkKind{261, "STORAGE_INFORMATION", 179},
@@ -85,6 +94,27 @@ const MavlinkKind* mavlink_kind(std::uint32_t id) {
   return found != kKinds.end() && found->id == id ? found : nullptr;
 }
 
+std::vector<std::byte> MavlinkWriter::frame(std::uint32_t id, Bytes payload) {
+  const MavlinkKind* const kind = mavlink_kind(id);
+  assert(kind && payload.size() <= 255);
+  while (payload.size() > 1 && payload.back() == std::byte{}) payload = payload.first(payload.size() - 1);
+  std::vector<std::byte> bytes{kMagic2,
+                               static_cast<std::byte>(payload.size()),
+                               {},
+                               {},
+                               std::byte{sequence_++},
+                               std::byte{system_},
+                               std::byte{component_}};
+  for (int shift = 0; shift < 24; shift += 8) bytes.push_back(static_cast<std::byte>(id >> shift));
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  std::uint16_t crc = 0xFFFF;
+  for (const std::byte b : std::span(bytes).subspan(1)) crc = crc_after(crc, std::to_integer<std::uint8_t>(b));
+  crc = crc_after(crc, kind->crc_extra);
+  bytes.push_back(static_cast<std::byte>(crc));
+  bytes.push_back(static_cast<std::byte>(crc >> 8));
+  return bytes;
+}
+
 Framing mavlink_structure_at(Bytes bytes) {
   const auto other = [&] {
     std::size_t at = 1;
@@ -100,6 +130,13 @@ Framing mavlink_structure_at(Bytes bytes) {
   const std::size_t length = std::to_integer<std::size_t>(bytes[1]) + (second ? kHead2 : kHead1) + kCrcBytes +
                              ((flags & 1U) != 0 ? kSignatureBytes : 0);
   return {bytes.size() < length ? Framing::Kind::kIncomplete : Framing::Kind::kFrame, length};
+}
+
+Framing mavlink_frame_at(Bytes bytes) {
+  const Framing found = mavlink_structure_at(bytes);
+  if (found.kind != Framing::Kind::kFrame) return found;
+  const bool wrong = mavlink_frame(bytes.first(found.bytes)).checksum == MavlinkFrame::Checksum::kWrong;
+  return wrong ? Framing{Framing::Kind::kNoise, 1} : found;
 }
 
 MavlinkFrame mavlink_frame(Bytes frame) {

@@ -14,6 +14,7 @@
 #include <isobath/io/bytes/framing.hpp>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace isobath {
 
@@ -58,8 +59,21 @@ struct MavlinkFrame {
   Checksum checksum = Checksum::kUnknown;  ///< kUnknown: of a message that the table lacks
 };
 
+/// Makes frames of version 2, without a signature; numbers them in sequence.
+class MavlinkWriter {
+ public:
+  MavlinkWriter(std::uint8_t system, std::uint8_t component) : system_(system), component_(component) {}
+  /// `payload`: up to the last field; trailing zeros are not sent. `id`: of the table.
+  std::vector<std::byte> frame(std::uint32_t id, Bytes payload);
+
+ private:
+  std::uint8_t system_, component_, sequence_ = 0;
+};
+
 /// The verdict on the structure of a frame at the first byte, as far as its head goes; its checksum is not looked at.
 Framing mavlink_structure_at(Bytes bytes);
+/// The same, where a wrong checksum is noise of one byte; for links, on which frames follow one another.
+Framing mavlink_frame_at(Bytes bytes);
 /// The parts of a complete frame.
 MavlinkFrame mavlink_frame(Bytes frame);
 

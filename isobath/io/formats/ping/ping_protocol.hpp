@@ -22,13 +22,18 @@ PingFrame ping_frame(Bytes frame);
 std::uint16_t ping_checksum(Bytes bytes);
 
 namespace ping_message {
+constexpr std::uint16_t kNack = 2;
 constexpr std::uint16_t kDeviceInformation = 4;
+constexpr std::uint16_t kGeneralRequest = 6;
+constexpr std::uint16_t kSetSpeedOfSound = 1002;
 constexpr std::uint16_t kSpeedOfSound = 1203;
 constexpr std::uint16_t kDistanceSimple = 1211;
 constexpr std::uint16_t kDistance = 1212;
 constexpr std::uint16_t kProfile = 1300;
 constexpr std::uint16_t kDeviceData = 2300;
 constexpr std::uint16_t kAutoDeviceData = 2301;
+constexpr std::uint16_t kTransducer = 2601;
+constexpr std::uint16_t kAutoTransmit = 2602;
 }  // namespace ping_message
 
 enum class PingDeviceType : std::uint8_t { kUnknown = 0, kPing1D = 1, kPing360 = 2 };

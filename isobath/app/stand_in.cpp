@@ -1,0 +1,152 @@
+#include <cmath>
+#include <cstdio>
+#include <fmt/format.h>
+#include <isobath/app/commands.hpp>
+#include <isobath/app/exit_codes.hpp>
+#include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/app/vehicle_page.hpp>
+#include <isobath/base/error.hpp>
+#include <isobath/standin/stand_ins.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+struct StandInCommand {
+  std::filesystem::path scene;
+  StandInRequest request;
+  std::vector<std::string> devices, pilot;
+  bool json = false;
+};
+
+std::vector<StandInRequest::Device> devices_of(const std::vector<std::string>& words) {
+  constexpr DeviceKind kKinds[] = {DeviceKind::kPing360, DeviceKind::kPing1D, DeviceKind::kOculus, DeviceKind::kDvlA50};
+  std::vector<StandInRequest::Device> devices;
+  for (const std::string& word : words) {
+    const std::size_t at = word.find('=');
+    const std::string kind = word.substr(0, at);
+    const auto* const found = std::ranges::find_if(kKinds, [&](DeviceKind k) { return kind == to_text(k); });
+    if (at == std::string::npos || found == std::end(kKinds)) {
+      throw Error(word + ": not a device with its link", {"--device"},
+                  "ping360, ping1d, oculus or dvl-a50, then =LINK");
+    }
+    devices.push_back({*found, word.substr(at + 1)});
+  }
+  return devices;
+}
+
+/// "20-30": POSHOLD from 20 to 30 s.
+std::vector<PilotTurn> turns_of(const std::vector<std::string>& words) {
+  std::vector<PilotTurn> turns;
+  for (const std::string& word : words) {
+    const std::size_t at = word.find('-');
+    PilotTurn turn{std::atof(word.c_str()), at == std::string::npos ? 0 : std::atof(word.c_str() + at + 1)};
+    if (!(turn.from_s >= 0 && turn.to_s > turn.from_s))
+      throw Error(word + ": not a span of time", {"--pilot"}, "20-30");
+    turns.push_back(turn);
+  }
+  return turns;
+}
+
+void print_end(const StandInCommand& options, const StandIns& stand_ins) {
+  const AutopilotCounts counts = stand_ins.autopilot();
+  const TrackTruth& truth = stand_ins.truth();
+  int pulled = counts.pulled;
+  for (const auto& device : stand_ins.devices()) pulled += device->pulled();
+  if (options.json) {
+    return print_json_line(
+        {{"event", "finished"},
+         {"simulated_s", stand_ins.now_s()},
+         {"contact_s", truth.contact_s},
+         {"contact_with", truth.contact_with},
+         {"min_clearance_m", std::isfinite(truth.min_clearance_m) ? nlohmann::ordered_json(truth.min_clearance_m)
+                                                                  : nlohmann::ordered_json()},
+         {"length_m", truth.length_m},
+         {"setpoints", counts.setpoints},
+         {"refused", counts.refused},
+         {"oldest_s", counts.oldest_s},
+         {"longest_gap_s", counts.longest_gap_s},
+         {"rings", counts.rings},
+         {"texts", counts.texts},
+         {"pulled", pulled}});
+  }
+  fmt::print("{:.1f} s simulated; the vehicle went {:.1f} m; {}; least clearance {:.2f} m\n", stand_ins.now_s(),
+             truth.length_m, truth.contact_s < 0 ? "no contact" : "CONTACT with " + truth.contact_with,
+             truth.min_clearance_m);
+  fmt::print("the autopilot followed {} set-points, the oldest {:.3f} s old, at most {:.3f} s apart; refused {}\n",
+             counts.setpoints, counts.oldest_s, counts.longest_gap_s, counts.refused);
+  fmt::print("it heard {} rings of obstacles and {} texts\n", counts.rings, counts.texts);
+  if (pulled > 0) fmt::print("cables were pulled {} times\n", pulled);
+}
+
+int stand_in(StandInCommand& options) {
+  options.request.devices = devices_of(options.devices);
+  options.request.turns = turns_of(options.pilot);
+  listen_for_interrupt();
+  StandIns stand_ins(open_scenario(options.scene), options.request);
+  nlohmann::ordered_json ports;
+  for (const auto& device : stand_ins.devices()) {
+    ports[to_text(device->kind())] = device->port();
+    if (!options.json) fmt::print("{} at port {}\n", to_text(device->kind()), device->port());
+  }
+  if (options.json) print_json_line({{"event", "ready"}, {"ports", ports}});
+  if (!options.json) fmt::print("the autopilot speaks to {}\n", options.request.autopilot);
+  std::fflush(stdout);
+  while (!is_interrupted() && stand_ins.step()) continue;
+  print_end(options, stand_ins);
+  return stand_ins.truth().contact_s < 0 ? kSuccess : kFailedChecks;
+}
+
+}  // namespace
+
+Action add_stand_in(CLI::App& program) {
+  auto options = std::make_shared<StandInCommand>();
+  StandInRequest& request = options->request;
+  CLI::App* command = program.add_subcommand(
+      "stand-in", "Play a vehicle for isobath aboard: a scene whose devices and autopilot speak over sockets");
+  command->add_option("SCENE", options->scene, "Scene with a mission and a place on the globe (.toml)")
+      ->check(reads())
+      ->default_str("the embedded scene");
+  command->add_option("--autopilot", request.autopilot, "Link to the companion computer")
+      ->type_name("LINK")
+      ->capture_default_str()
+      ->group("Links");
+  command->add_option("--device", options->devices, "A device and its link, such as ping360=udp-server:9092")
+      ->type_name("KIND=LINK")
+      ->allow_extra_args(false)
+      ->group("Links");
+  command->add_option("--unplug", request.unplug.times, "How often each cable is pulled, at random bytes")
+      ->check(whole(0, 1000))
+      ->capture_default_str()
+      ->group("Links");
+  command->add_option("--speed", request.speed, "How many times as fast as the clock it runs")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str()
+      ->group("Run");
+  command->add_option("--seed", request.simulation.seed, "Seed of the scene; -1: its own")
+      ->check(whole(-1, 2'000'000'000))
+      ->capture_default_str()
+      ->group("Run");
+  command
+      ->add_option("--guided-after", request.guided_after_s,
+                   "The pilot arms and chooses GUIDED so many seconds after a companion is heard")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str()
+      ->group("Run");
+  command->add_option("--pilot", options->pilot, "The pilot takes over, s after GUIDED was chosen, such as 20-30")
+      ->type_name("FROM-TO")
+      ->allow_extra_args(false)
+      ->group("Run");
+  command->add_flag("--json", options->json, "JSON on standard output: a line at the start, another at the end")
+      ->group("Output");
+  add_example(*command, "stand-in scenarios/aboard.toml --device ping360=udp-server:9092");
+  return [options] {
+    options->request.unplug.seed = static_cast<std::uint64_t>(options->request.simulation.seed + 1);
+    return stand_in(*options);
+  };
+}
+
+}  // namespace isobath::app

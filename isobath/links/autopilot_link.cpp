@@ -1,0 +1,259 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/links/autopilot_link.hpp>
+
+namespace isobath {
+namespace {
+
+using namespace mavlink;
+
+constexpr std::uint8_t kAutopilotComponent = 1;
+constexpr std::uint16_t kRequestMessage = 512;
+constexpr Duration kBeat = std::chrono::seconds(1), kSyncInterval = std::chrono::seconds(2);
+constexpr Duration kAskInterval = std::chrono::seconds(2);
+
+std::uint32_t milliseconds(Duration since) {
+  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
+}
+
+const char* text_of(Authority authority) {
+  switch (authority) {
+    case Authority::kNoAutopilot: return "no autopilot";
+    case Authority::kDisarmed: return "waits: disarmed";
+    case Authority::kOtherMode: return "hands back: not GUIDED";
+    case Authority::kOurs: return "steers: GUIDED, armed";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<Field> fields(AutopilotLinkConfig& c) {
+  return {
+      Field::text("link", &c.link, "Where the autopilot is, such as udp-server:14550 or tcp:127.0.0.1:5777."),
+      Field::integer("system", &c.system, {0, 255}, "", "MAVLink system of the vehicle; 0: the first that is heard."),
+      Field::real("rate_hz", &c.rate_hz, {1, 50}, "Hz", "Rate of attitude and position that are asked for."),
+      Field::real("depth_gain", &c.depth_gain, {0.05, 5}, "1/s", "Velocity down for a metre of depth error."),
+      Field::real("max_dive_rate", &c.max_dive_rate, {0.05, 2}, "m/s", "Largest velocity up or down.")};
+}
+
+AutopilotLink::AutopilotLink(const AutopilotLinkConfig& config, LinkSource& events)
+    : config_(config),
+      events_(events),
+      vehicle_(input_, report_),
+      frames_(mavlink_frame_at),
+      writer_(static_cast<std::uint8_t>(std::max(1, config.system)), kObstacleAvoidance) {
+  if (config.system > 0) vehicle_.expect({.system = static_cast<std::uint8_t>(config.system), .local = true});
+}
+
+void AutopilotLink::send(std::uint32_t id, const PayloadBytes& body) { link_->send(writer_.frame(id, body)); }
+
+void AutopilotLink::on_open(Time /*time*/) { events_.note("autopilot", fmt::format("MAVLink at {}", config_.link)); }
+
+void AutopilotLink::on_bytes(Bytes bytes, Time time) {
+  frames_.push(bytes, time, offset_);
+  offset_ += bytes.size();
+  while (const auto found = frames_.next(report_)) on_frame(mavlink_frame(found->frame), time);
+  const std::lock_guard lock(mutex_);
+  counts_.damaged += report_.bytes_skipped > 0 ? 1 : 0;
+  if (report_.bytes_skipped > 0) events_.refuse("autopilot: bytes that are no frame");
+  for (const auto& [reason, count] : report_.rejected) events_.refuse("autopilot: " + reason);
+  report_.rejected.clear();
+  report_.damages.clear();
+  report_.bytes_skipped = 0;
+}
+
+void AutopilotLink::on_frame(const MavlinkFrame& frame, Time time) {
+  if (frame.checksum != MavlinkFrame::Checksum::kRight) return;
+  if (frame.id == Heartbeat::kId) on_heartbeat(frame, time);
+  if (!vehicle_.system() || frame.system != *vehicle_.system()) return;
+  const MavlinkPayload p(frame.payload);
+  if (frame.id == TimeSync::kId) on_timesync(TimeSync::of(p), time);
+  if (frame.component != kAutopilotComponent) return;
+  if (download_) {
+    download_->on_frame(frame, time);
+    const std::lock_guard lock(mutex_);
+    if (download_->done()) plan_ = download_->plan();
+  }
+  if (frame.id == SystemStatus::kId) {
+    const std::lock_guard lock(mutex_);
+    const int percent = SystemStatus::of(p).battery_percent;
+    if (percent >= 0 && percent <= 100) battery_ = percent / 100.0;
+  }
+  auto event = vehicle_.take(time, frame);
+  if (report_.origin) {
+    events_.locate(*report_.origin);
+    const std::lock_guard lock(mutex_);
+    origin_ = report_.origin;
+  }
+  if (!event) return;
+  if (const auto* fix = std::get_if<Navigation>(&*event)) {
+    const std::lock_guard lock(mutex_);
+    fix_ = *fix;
+  }
+  events_.give(std::move(*event));
+}
+
+void AutopilotLink::on_heartbeat(const MavlinkFrame& frame, Time time) {
+  const auto beat = Heartbeat::of(MavlinkPayload(frame.payload));
+  if (beat.autopilot != kArduPilot || frame.component != kAutopilotComponent) return;
+  if (!vehicle_.system()) {
+    vehicle_.expect({.system = frame.system, .local = true});
+    writer_ = MavlinkWriter(frame.system, kObstacleAvoidance);
+  }
+  if (frame.system != *vehicle_.system()) return;
+  const std::lock_guard lock(mutex_);
+  heard_ = time;
+  heartbeat_ = beat;
+}
+
+void AutopilotLink::on_timesync(const TimeSync& sync, Time time) {
+  const std::int64_t now = time.time_since_epoch().count();
+  if (sync.tc1_ns == 0) return send(TimeSync::kId, TimeSync{now, sync.ts1_ns}.body());
+  if (sync.ts1_ns > now || now - sync.ts1_ns > kBeat.count()) return;  // not an answer to a late request of ours
+  const std::lock_guard lock(mutex_);
+  boot_ = Duration(sync.tc1_ns - (sync.ts1_ns + now) / 2);
+}
+
+Authority AutopilotLink::authority_at(Time now) const {
+  if (!heard_ || now - *heard_ > kSilence) return Authority::kNoAutopilot;
+  if (!heartbeat_.armed()) return Authority::kDisarmed;
+  const bool guided = heartbeat_.custom_mode == static_cast<std::uint32_t>(SubMode::kGuided);
+  return guided ? Authority::kOurs : Authority::kOtherMode;
+}
+
+Authority AutopilotLink::authority() const {
+  const std::lock_guard lock(mutex_);
+  return authority_at(hub_->now());
+}
+
+std::string AutopilotLink::mode() const {
+  const std::lock_guard lock(mutex_);
+  if (!heard_) return "not heard";
+  return fmt::format("{}, {}", mode_text(heartbeat_.custom_mode), heartbeat_.armed() ? "armed" : "disarmed");
+}
+
+std::optional<GeoOrigin> AutopilotLink::origin() const {
+  const std::lock_guard lock(mutex_);
+  return origin_;
+}
+
+void AutopilotLink::want_mission() {
+  const std::lock_guard lock(mutex_);
+  wants_mission_ = true;
+}
+
+std::optional<AutopilotPlan> AutopilotLink::mission() const {
+  const std::lock_guard lock(mutex_);
+  if (!mission_problem_.empty()) throw Error(mission_problem_, {config_.link}, "", "try again, or name a mission file");
+  return plan_;
+}
+
+AutopilotLink::Counts AutopilotLink::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+void AutopilotLink::ask_for_messages() {
+  const auto interval = static_cast<float>(1e6 / config_.rate_hz);
+  const std::uint8_t system = *vehicle_.system();
+  for (const std::uint32_t id : {Attitude::kId, LocalPosition::kId}) {
+    send(CommandLong::kId,
+         CommandLong{{static_cast<float>(id), interval}, kSetMessageInterval, system, kAutopilotComponent}.body());
+  }
+  send(CommandLong::kId,
+       CommandLong{{static_cast<float>(SystemStatus::kId), 1e6F}, kSetMessageInterval, system, kAutopilotComponent}
+           .body());
+  send(CommandLong::kId,
+       CommandLong{{static_cast<float>(Origin::kId)}, kRequestMessage, system, kAutopilotComponent}.body());
+}
+
+void AutopilotLink::report_health(Time now) {
+  if (authority_at(now) == Authority::kNoAutopilot) return;
+  events_.give(Health{
+      .time = now,
+      .source = "vehicle",
+      .battery_share = static_cast<float>(battery_.value_or(1)),
+      .note = fmt::format("{}, {}", mode_text(heartbeat_.custom_mode), heartbeat_.armed() ? "armed" : "disarmed")});
+}
+
+void AutopilotLink::on_tick(Time now) {
+  if (now - beat_ >= kBeat) {
+    beat_ = now;
+    send(Heartbeat::kId, Heartbeat{0, kOnboardController, kNoAutopilot, 0, kStateActive}.body());
+  }
+  if (now - sync_ >= kSyncInterval) {
+    sync_ = now;
+    send(TimeSync::kId, TimeSync{0, now.time_since_epoch().count()}.body());
+  }
+  if (!vehicle_.system()) return;
+  std::optional<std::string> news;
+  {
+    const std::lock_guard lock(mutex_);
+    if (now - health_ >= kBeat) {
+      health_ = now;
+      report_health(now);
+    }
+    const Authority held = authority_at(now);
+    if (std::exchange(told_, held) != held) news = std::string("Isobath ") + text_of(held);
+    if (wants_mission_ && !download_ && heard_) {
+      download_.emplace(*vehicle_.system(), kAutopilotComponent,
+                        [this](std::uint32_t id, const PayloadBytes& body) { send(id, body); });
+    }
+    if (download_) mission_problem_ = download_->problem();
+  }
+  if (news) say(told_ == Authority::kOurs ? 6 : 4, *news);
+  if (download_) download_->on_tick(now);
+  const bool idle = !fix_ || !origin_ || now - fix_->time > kAskInterval;
+  if (idle && now - asked_ >= kAskInterval) {
+    asked_ = now;
+    ask_for_messages();
+  }
+}
+
+void AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers) {
+  const Time now = hub_->now();
+  VelocityTarget target;
+  {
+    const std::lock_guard lock(mutex_);
+    if (authority_at(now) != Authority::kOurs || !fix_ || !boot_) {
+      ++counts_.withheld;
+      return;
+    }
+    if (now - setpoint_ < kSetpointInterval) return;
+    setpoint_ = now;
+    ++counts_.setpoints;
+    const double rate = std::min(config_.max_dive_rate, limits.limits.max_climb_rate);
+    const double depth_error = setpoint.depth - fix_->X_WB.translation.z();
+    const double c = cos(setpoint.heading), s = sin(setpoint.heading);
+    target.vx = static_cast<float>(c * setpoint.speed - s * setpoint.sway_speed);
+    target.vy = static_cast<float>(s * setpoint.speed + c * setpoint.sway_speed);
+    target.vz = static_cast<float>(limited_to(config_.depth_gain * depth_error, rate));
+    target.yaw = static_cast<float>(setpoint.heading.wrapped().radians());
+    target.boot_ms = milliseconds(answers.time_since_epoch() + *boot_);
+    target.system = vehicle_.system().value_or(1);
+  }
+  hub_->post([this, body = target.body()] { send(VelocityTarget::kId, body); });
+}
+
+void AutopilotLink::say(int severity, const std::string& text) {
+  hub_->post(
+      [this, body = StatusText{static_cast<std::uint8_t>(severity), text}.body()] { send(StatusText::kId, body); });
+}
+
+void AutopilotLink::show(const ObstacleDistance& ring) {
+  hub_->post([this, body = ring.body()] { send(ObstacleDistance::kId, body); });
+}
+
+void AutopilotLink::show_value(const std::string& name, double value) {
+  NamedValue named{0, static_cast<float>(value), name};
+  {
+    const std::lock_guard lock(mutex_);
+    if (boot_) named.boot_ms = milliseconds(hub_->now().time_since_epoch() + *boot_);
+  }
+  hub_->post([this, body = named.body()] { send(NamedValue::kId, body); });
+}
+
+}  // namespace isobath

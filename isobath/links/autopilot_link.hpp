@@ -1,0 +1,119 @@
+// AutopilotLink: the MAVLink connection to an ArduSub autopilot: its state comes in as events, set-points go out.
+//
+// In: HEARTBEAT, SYS_STATUS, TIMESYNC, the messages of mavlink_vehicle.hpp, and the mission (mission_download.hpp).
+// Only frames of the vehicle's system count; the vehicle is the one of AutopilotLinkConfig::system, else the first
+// ArduPilot that is heard. Frames whose checksum is wrong are counted. Each second a health report of "vehicle" gives
+// the charge; none comes while the autopilot has been silent for 3 s, which the fault table notices.
+//
+// Out: HEARTBEAT and TIMESYNC, SET_MESSAGE_INTERVAL for what is needed, SET_POSITION_TARGET_LOCAL_NED (velocity and
+// yaw) with each set-point, at most every 50 ms, OBSTACLE_DISTANCE, STATUSTEXT, NAMED_VALUE_FLOAT. A set-point carries
+// the time of the event that it answers, in the autopilot's own time.
+//
+// Authority: set-points go out only while the autopilot is armed and in GUIDED. It is never armed from here, and its
+// mode is never set: whoever holds the autopilot's controls gives and takes authority, and STATUSTEXT says which.
+//
+// Velocity down: depth_gain times the error of the depth, within the vehicle's rates. All calls of ByteReceiver come
+// from the thread of the links; the others may come from any thread. ArduSub itself was not run against this.
+#pragma once
+
+#include <isobath/geometry/geodesy.hpp>
+#include <isobath/io/bytes/framing.hpp>
+#include <isobath/io/formats/mavlink/mavlink_vehicle.hpp>
+#include <isobath/links/link_hub.hpp>
+#include <isobath/links/link_source.hpp>
+#include <isobath/links/mission_download.hpp>
+#include <isobath/vehicle/autopilot.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace isobath {
+
+struct AutopilotLinkConfig {
+  std::string link = "udp-server:14550";
+  int system = 0;              ///< of the vehicle; 0: the first that is heard
+  double rate_hz = 10;         ///< of the attitude and position that are asked for
+  double depth_gain = 0.5;     ///< 1/s
+  double max_dive_rate = 0.4;  ///< m/s, up and down
+};
+std::vector<Field> fields(AutopilotLinkConfig& config);
+
+/// Who steers.
+enum class Authority : std::uint8_t { kNoAutopilot, kDisarmed, kOtherMode, kOurs };
+
+class AutopilotLink final : public ByteReceiver {
+ public:
+  static constexpr Duration kSilence = std::chrono::seconds(3);
+  static constexpr Duration kSetpointInterval = std::chrono::milliseconds(50);
+
+  AutopilotLink(const AutopilotLinkConfig& config, LinkSource& events);
+  AutopilotLink(const AutopilotLink&) = delete;
+  AutopilotLink& operator=(const AutopilotLink&) = delete;
+  void use(LinkHub& hub, ByteLink& link) {
+    hub_ = &hub;
+    link_ = &link;
+  }
+
+  void on_open(Time time) override;
+  void on_bytes(Bytes bytes, Time time) override;
+  void on_tick(Time now) override;
+
+  [[nodiscard]] Authority authority() const;
+  /// "POSHOLD, armed"; for people.
+  [[nodiscard]] std::string mode() const;
+  [[nodiscard]] std::optional<GeoOrigin> origin() const;
+  /// Starts to fetch the mission as soon as the autopilot is heard.
+  void want_mission();
+  /// Empty while it is being fetched. Throws Error if the autopilot does not give it.
+  [[nodiscard]] std::optional<AutopilotPlan> mission() const;
+
+  /// Sends a set-point that answers an event of this time; drops it without authority.
+  void command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers);
+  void say(int severity, const std::string& text);
+  void show(const mavlink::ObstacleDistance& ring);
+  void show_value(const std::string& name, double value);
+  struct Counts {
+    std::uint64_t setpoints = 0, withheld = 0;  ///< sent; dropped for want of authority
+    std::uint64_t damaged = 0;                  ///< stretches of bytes that were no frame
+  };
+  [[nodiscard]] Counts counts() const;
+
+ private:
+  void send(std::uint32_t id, const mavlink::PayloadBytes& body);
+  void on_frame(const MavlinkFrame& frame, Time time);
+  void on_heartbeat(const MavlinkFrame& frame, Time time);
+  void on_timesync(const mavlink::TimeSync& sync, Time time);
+  void ask_for_messages();
+  void report_health(Time now);
+  [[nodiscard]] Authority authority_at(Time now) const;
+
+  const AutopilotLinkConfig config_;
+  LinkSource& events_;
+  LinkHub* hub_ = nullptr;
+  ByteLink* link_ = nullptr;
+  InputConfig input_;
+  SourceReport report_;
+  MavlinkVehicle vehicle_;
+  FrameStream frames_;
+  std::uint64_t offset_ = 0;
+  mavlink::PayloadBytes pending_;
+  MavlinkWriter writer_;
+  std::optional<MissionDownload> download_;
+
+  mutable std::mutex mutex_;  ///< guards all below
+  bool wants_mission_ = false;
+  std::optional<AutopilotPlan> plan_;
+  std::string mission_problem_;
+  std::optional<Time> heard_;  ///< its last heartbeat
+  mavlink::Heartbeat heartbeat_;
+  std::optional<GeoOrigin> origin_;
+  std::optional<double> battery_;
+  std::optional<Navigation> fix_;
+  std::optional<Duration> boot_;  ///< what to add to host time for the autopilot's time since it booted
+  Time beat_{}, sync_{}, health_{}, asked_{}, setpoint_{};
+  Authority told_ = Authority::kNoAutopilot;
+  Counts counts_;
+};
+
+}  // namespace isobath

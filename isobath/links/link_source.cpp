@@ -1,0 +1,61 @@
+#include <algorithm>
+#include <isobath/links/link_source.hpp>
+
+namespace isobath {
+
+LinkSource::LinkSource(std::function<Time()> now) : now_(std::move(now)), beat_(kBeat) {
+  shown_.format = report_.format = "devices";
+}
+
+void LinkSource::give(Event event, std::optional<Time> arrival) {
+  const std::lock_guard lock(mutex_);
+  if (waiting_.size() >= kMostWaiting) {
+    auto oldest =
+        std::ranges::find_if(waiting_, [](const Arrived& a) { return std::holds_alternative<Ping>(a.event); });
+    if (oldest == waiting_.end()) oldest = waiting_.begin();
+    waiting_.erase(oldest);
+    ++report_.rejected["dropped, because the run is behind its devices"];
+    changed_ = true;
+  }
+  const Time at = arrival.value_or(time_of(event));
+  waiting_.push_back({std::move(event), at});
+  given_.notify_one();
+}
+
+void LinkSource::locate(const GeoOrigin& origin) {
+  const std::lock_guard lock(mutex_);
+  if (!report_.origin) report_.origin = origin;
+  changed_ = true;
+}
+
+void LinkSource::note(const std::string& key, const std::string& value) {
+  const std::lock_guard lock(mutex_);
+  report_.details[key] = value;
+  changed_ = true;
+}
+
+void LinkSource::refuse(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  ++report_.rejected[reason];
+  changed_ = true;
+}
+
+void LinkSource::end() {
+  const std::lock_guard lock(mutex_);
+  ended_ = true;
+  given_.notify_one();
+}
+
+std::optional<Event> LinkSource::next() {
+  std::unique_lock lock(mutex_);
+  given_.wait_for(lock, beat_, [this] { return ended_ || !waiting_.empty(); });
+  if (std::exchange(changed_, false)) shown_ = report_;
+  if (ended_) return std::nullopt;
+  if (waiting_.empty()) return Health{.time = now_(), .source = "links"};
+  Event event = std::move(waiting_.front().event);
+  arrival_ = waiting_.front().arrival;
+  waiting_.pop_front();
+  return event;
+}
+
+}  // namespace isobath

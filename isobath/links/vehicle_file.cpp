@@ -1,0 +1,55 @@
+#include <isobath/links/vehicle_file.hpp>
+
+namespace isobath {
+namespace {
+
+Schema schema_of(VehicleFile& file) {
+  using From = VehicleFile::MissionFrom;
+  return {{{"vehicle",
+            "The vehicle.",
+            {Field::text("title", &file.title, "What the page and the report call it."),
+             Field::text("model", &file.model,
+                         "Its size and limits: a vehicle file (.toml), or the name of one that the program has.")}},
+           {"autopilot", "The autopilot, over MAVLink.", fields(file.autopilot)},
+           {"mission",
+            "The mission.",
+            {Field::choice("from", &file.mission_from,
+                           {{"autopilot", From::kAutopilot}, {"file", From::kFile}, {"none", From::kNone}},
+                           "Who gives it: the autopilot, as a ground station has planned it; a file; or nobody: the "
+                           "vehicle only maps."),
+             Field::text("file", &file.mission_file, "Mission file, or a plan of QGroundControl.")}}},
+          {device_list(file.devices)}};
+}
+
+void check_devices(const VehicleFile& file) {
+  std::vector<std::string> names;
+  for (const DeviceConfig& device : file.devices) {
+    if (device.link.empty()) throw Error("the device has no link", device.place, "udp:HOST:PORT and the like");
+    (void)link_address_of(device.link, "link");
+    if (std::ranges::find(names, device.called()) != names.end())
+      throw Error("two devices are called " + device.called(), device.place, "", "give each a name");
+    names.push_back(device.called());
+  }
+  (void)link_address_of(file.autopilot.link, "autopilot.link");
+  if (file.mission_from == VehicleFile::MissionFrom::kFile && file.mission_file.empty())
+    throw Error("the mission is to come from a file, but none is named", {.key = "mission.file"});
+}
+
+}  // namespace
+
+VehicleFile parse_vehicle_file(std::string_view text, const std::string& file) {
+  VehicleFile vehicle;
+  Schema schema = schema_of(vehicle);
+  read_toml(text, file, schema);
+  check_devices(vehicle);
+  return vehicle;
+}
+
+VehicleFile load_vehicle_file(const std::string& file) { return parse_vehicle_file(text_of_file(file), file); }
+
+std::string vehicle_file_template() {
+  VehicleFile vehicle;
+  return write_template(schema_of(vehicle));
+}
+
+}  // namespace isobath

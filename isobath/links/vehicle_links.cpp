@@ -1,0 +1,24 @@
+#include <isobath/links/vehicle_links.hpp>
+
+namespace isobath {
+
+VehicleLinks::VehicleLinks(VehicleFile file, double speed)
+    : file_(std::move(file)),
+      hub_(speed),
+      source_([this] { return hub_.now(); }),
+      autopilot_(file_.autopilot, source_) {
+  autopilot_.use(hub_, hub_.add(link_address_of(file_.autopilot.link, "autopilot.link"), autopilot_));
+  for (const DeviceConfig& config : file_.devices) {
+    DeviceLink& device = *devices_.emplace_back(make_device_link(config, source_));
+    device.use(hub_, hub_.add(link_address_of(config.link, "link"), device));
+  }
+}
+
+void VehicleLinks::scan(const ScanCommand& command) {
+  for (const auto& device : devices_) {
+    const DeviceKind kind = device->config().kind;
+    if (kind == DeviceKind::kPing360 || kind == DeviceKind::kOculus) return device->command(command);
+  }
+}
+
+}  // namespace isobath

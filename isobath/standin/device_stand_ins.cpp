@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/io/formats/oculus/oculus_commands.hpp>
+#include <isobath/io/formats/oculus/oculus_protocol.hpp>
+#include <isobath/io/formats/ping/ping_commands.hpp>
+#include <isobath/standin/device_stand_ins.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr Duration kFireLasts = std::chrono::seconds(3);
+constexpr double kDown = 0.7;  // least z of an axis that looks down
+
+bool looks_down(const RangeReading& reading) { return (reading.X_BS.rotation * Eigen::Vector3d::UnitX()).z() > kDown; }
+
+class Ping360StandIn final : public DeviceStandIn {
+ public:
+  using DeviceStandIn::DeviceStandIn;
+
+  void on_bytes(Bytes bytes, Time time) override {
+    const std::lock_guard lock(mutex_);
+    frames_.push(bytes, time, 0);
+    while (const auto found = frames_.next(report_)) {
+      const auto request = ping360_request(ping_frame(found->frame));
+      if (!request) continue;
+      if (request->sweeps) command_ = command_of(request->settings);
+      if (!request->sweeps) asked_ = true;
+      sweeps_ = request->sweeps;
+      settings_ = request->settings;
+    }
+    report_ = SourceReport{};
+  }
+  void on_event(const Event& event, Time now) override {
+    const auto* ping = std::get_if<Ping>(&event);
+    if (!ping || ping->fan->beams() != 1 || ping->intensity.type() != SampleType::kU8) return;
+    const std::lock_guard lock(mutex_);
+    if (!settings_ || (!sweeps_ && !std::exchange(asked_, false))) return;
+    Ping360Settings line = *settings_;
+    constexpr double kTick = 25e-9;
+    line.sample_period = static_cast<std::uint16_t>(
+        std::clamp(std::lround(2 * ping->window.bin_m / (ping->sound_speed * kTick)), 1L, 65535L));
+    line.samples = static_cast<std::uint16_t>(ping->window.bins);
+    std::vector<std::byte> samples(static_cast<std::size_t>(ping->window.bins));
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      samples[i] = static_cast<std::byte>(std::lround(ping->intensity(0, static_cast<int>(i))));
+    const long grad = std::lround(ping->fan->azimuth.front().degrees() / 0.9);
+    send(ping360_line_bytes(line, static_cast<int>((grad % 400 + 400) % 400), sweeps_, samples), now);
+  }
+  std::optional<ScanCommand> take_command() override {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(command_, std::nullopt);
+  }
+
+ private:
+  /// Only what differs from the last command.
+  std::optional<ScanCommand> command_of(const Ping360Settings& s) const {
+    if (settings_ && s.start_grad == settings_->start_grad && s.stop_grad == settings_->stop_grad &&
+        s.step_grad == settings_->step_grad && s.sample_period == settings_->sample_period &&
+        s.samples == settings_->samples) {
+      return command_;
+    }
+    const int span = (s.stop_grad - s.start_grad + 400) % 400;
+    ScanCommand command;
+    command.step = Angle::degrees(0.9 * s.step_grad);
+    command.sector = Angle::degrees(span >= 399 ? 360 : 0.9 * span);
+    command.middle = span >= 399 ? Angle{} : Angle::degrees(0.9 * (s.start_grad + span / 2.0)).wrapped();
+    constexpr double kTick = 25e-9, kSound = 1500;
+    command.range_m = kSound * s.sample_period * kTick * s.samples / 2;
+    return command;
+  }
+
+  std::mutex mutex_;
+  SourceReport report_;
+  FrameStream frames_{ping_frame_at};
+  std::optional<Ping360Settings> settings_;
+  std::optional<ScanCommand> command_;
+  bool sweeps_ = false, asked_ = false;
+};
+
+class Ping1DStandIn final : public DeviceStandIn {
+ public:
+  using DeviceStandIn::DeviceStandIn;
+  void on_bytes(Bytes bytes, Time time) override {
+    const std::lock_guard lock(mutex_);
+    frames_.push(bytes, time, 0);
+    while (const auto found = frames_.next(report_)) {
+      const PingFrame frame = ping_frame(found->frame);
+      const bool asks = frame.id == ping_message::kGeneralRequest &&
+                        ByteCursor(frame.payload).little<std::uint16_t>() == ping_message::kDistance;
+      if (!asks || !newest_) continue;
+      const bool echo = newest_->range_m.has_value();
+      send(ping1d_distance_bytes(newest_->range_m.value_or(0), echo ? 99 : 0, newest_->max_range_m), time);
+    }
+    report_ = SourceReport{};
+  }
+  void on_event(const Event& event, Time /*now*/) override {
+    const auto* reading = std::get_if<RangeReading>(&event);
+    if (!reading || !looks_down(*reading)) return;
+    const std::lock_guard lock(mutex_);
+    newest_ = *reading;
+  }
+
+ private:
+  std::mutex mutex_;
+  SourceReport report_;
+  FrameStream frames_{ping_frame_at};
+  std::optional<RangeReading> newest_;
+};
+
+/// A frame that is a fire message at its start; anything else is passed over byte by byte.
+Framing fire_at(Bytes bytes) {
+  constexpr std::size_t kFire = 53;
+  if (bytes.size() < kFire) return {Framing::Kind::kIncomplete, kFire};
+  return oculus_fire_of(bytes) ? Framing{Framing::Kind::kFrame, kFire} : Framing{Framing::Kind::kNoise, 1};
+}
+
+class OculusStandIn final : public DeviceStandIn {
+ public:
+  using DeviceStandIn::DeviceStandIn;
+  void on_bytes(Bytes bytes, Time time) override {
+    const std::lock_guard lock(mutex_);
+    frames_.push(bytes, time, 0);
+    while (const auto found = frames_.next(report_)) {
+      fire_ = oculus_fire_of(found->frame);
+      fired_ = time;
+      if (fire_->range_m == range_m_) continue;
+      range_m_ = fire_->range_m;
+      command_ = ScanCommand{.range_m = range_m_};
+    }
+    report_ = SourceReport{};
+  }
+  void on_event(const Event& event, Time now) override {
+    const auto* ping = std::get_if<Ping>(&event);
+    if (!ping || ping->fan->beams() < 2 || ping->intensity.type() != SampleType::kU8) return;
+    const std::lock_guard lock(mutex_);
+    if (!fire_ || now - fired_ > kFireLasts) return;
+    OculusImage image;
+    image.fire = *fire_;
+    image.fire.sound_speed = ping->sound_speed;
+    image.number = ++number_;
+    image.range_step_m = ping->window.bin_m;
+    const int beams = ping->fan->beams(), rows = ping->window.bins;
+    for (const Angle azimuth : ping->fan->azimuth)
+      image.bearings.push_back(static_cast<std::int16_t>(std::lround(azimuth.degrees() * 100)));
+    image.samples.resize(static_cast<std::size_t>(beams) * rows);
+    for (int row = 0; row < rows; ++row) {
+      for (int beam = 0; beam < beams; ++beam)
+        image.samples[static_cast<std::size_t>(row) * beams + beam] =
+            static_cast<std::byte>(std::lround(ping->intensity(beam, row)));
+    }
+    send(oculus_ping_result(image), now);
+  }
+  std::optional<ScanCommand> take_command() override {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(command_, std::nullopt);
+  }
+
+ private:
+  std::mutex mutex_;
+  SourceReport report_;
+  FrameStream frames_{fire_at};
+  std::optional<OculusFire> fire_;
+  Time fired_{};
+  double range_m_ = 0;
+  std::optional<ScanCommand> command_;
+  std::uint32_t number_ = 0;
+};
+
+class DvlStandIn final : public DeviceStandIn {
+ public:
+  using DeviceStandIn::DeviceStandIn;
+  void on_bytes(Bytes /*bytes*/, Time /*time*/) override {}
+  void on_event(const Event& event, Time now) override {
+    if (const auto* reading = std::get_if<RangeReading>(&event); reading && looks_down(*reading)) {
+      altitude_m_ = reading->range_m.value_or(-1);
+    }
+    const auto* fix = std::get_if<Navigation>(&event);
+    if (!fix) return;
+    const Rotation& R = fix->X_WB.rotation;
+    const Eigen::Vector3d v = R.inverse() * fix->v_WB.value_or(Eigen::Vector3d::Zero());
+    const Eigen::Vector3d& p = fix->X_WB.translation;
+    const std::string text = fmt::format(
+        R"({{"time":120,"vx":{:.4f},"vy":{:.4f},"vz":{:.4f},"fom":0.002,"altitude":{:.3f},"velocity_valid":true,)"
+        R"("status":0,"format":"json_v3.1","type":"velocity"}})"
+        "\n"
+        R"({{"ts":{:.3f},"x":{:.4f},"y":{:.4f},"z":{:.4f},"std":{:.4f},"roll":{:.3f},"pitch":{:.3f},"yaw":{:.3f},)"
+        R"("type":"position_local","status":0,"format":"json_v3.1"}})"
+        "\n",
+        v.x(), v.y(), v.z(), altitude_m_, to_seconds(now), p.x(), p.y(), p.z(), sigma_m_of(*fix).value_or(0.1),
+        R.roll().degrees(), R.pitch().degrees(), R.heading().degrees());
+    const Bytes bytes = bytes_of(text);
+    send({bytes.begin(), bytes.end()}, now);
+  }
+
+ private:
+  double altitude_m_ = -1;
+};
+
+}  // namespace
+
+std::unique_ptr<DeviceStandIn> make_device_stand_in(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream) {
+  switch (kind) {
+    case DeviceKind::kPing360: return std::make_unique<Ping360StandIn>(kind, unplug, stream);
+    case DeviceKind::kPing1D: return std::make_unique<Ping1DStandIn>(kind, unplug, stream);
+    case DeviceKind::kOculus: return std::make_unique<OculusStandIn>(kind, unplug, stream);
+    case DeviceKind::kDvlA50: return std::make_unique<DvlStandIn>(kind, unplug, stream);
+  }
+  return nullptr;
+}
+
+}  // namespace isobath

@@ -1,0 +1,65 @@
+// StandIns: a simulated vehicle whose devices and autopilot speak their own bytes over sockets, in the time of the
+// clock: what `isobath aboard` joins where no vehicle is. A scene gives the vehicle, its sonars and its world; the
+// autopilot holds the scene's mission, as if a ground station had planned it.
+//
+//   StandIns stand_ins(scenario, request);
+//   while (stand_ins.step()) {}
+//
+// Throws Error if the scene has no origin on the globe or no mission, or a server cannot listen. One thread calls.
+#pragma once
+
+#include <isobath/scenario/ground_truth_trajectory.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <isobath/standin/autopilot_stand_in.hpp>
+#include <isobath/standin/device_stand_ins.hpp>
+#include <memory>
+#include <vector>
+
+namespace isobath {
+
+/// The plan of a scenario as the items of MAVLink missions.
+AutopilotPlan autopilot_plan(const MissionPlan& plan, const GeoOrigin& origin);
+
+struct StandInRequest {
+  SimulationConfig simulation;
+  std::string autopilot = "udp:127.0.0.1:14550";  ///< link_address.hpp
+  struct Device {
+    DeviceKind kind = DeviceKind::kPing360;
+    std::string link;
+  };
+  std::vector<Device> devices;
+  double speed = 1;  ///< times real time
+  double guided_after_s = 2;
+  std::vector<PilotTurn> turns;
+  UnplugConfig unplug;
+};
+
+class StandIns {
+ public:
+  StandIns(const Scenario& scenario, const StandInRequest& request);
+  StandIns(const StandIns&) = delete;
+  StandIns& operator=(const StandIns&) = delete;
+  ~StandIns() { hub_.stop(); }
+
+  /// Simulates up to the next event and waits for its time. Returns false at the end of the scene's time, or 5 s after
+  /// the companion has fallen silent.
+  bool step();
+  [[nodiscard]] const TrackTruth& truth() const { return truth_.truth(); }
+  /// Where the autopilot listens, if its link is a server.
+  [[nodiscard]] int autopilot_port() const { return autopilot_.port(); }
+  [[nodiscard]] AutopilotCounts autopilot() const { return autopilot_.counts(); }
+  [[nodiscard]] const std::vector<std::unique_ptr<DeviceStandIn>>& devices() const { return devices_; }
+  [[nodiscard]] double now_s() const { return source_.simulator().now_s(); }
+
+ private:
+  const StandInRequest request_;
+  mutable SimulatedSource source_;
+  GroundTruthTrajectory truth_;
+  LinkHub hub_;
+  AutopilotStandIn autopilot_;
+  std::vector<std::unique_ptr<DeviceStandIn>> devices_;
+  std::chrono::steady_clock::time_point began_;
+  double steered_s_ = 0;
+};
+
+}  // namespace isobath
