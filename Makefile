@@ -12,7 +12,7 @@ WERROR ?= OFF
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
-.PHONY: help setup demo test bench lint files tidy fuzz format clean test-asan test-tsan
+.PHONY: help setup demo demo-aboard test bench lint files tidy fuzz format clean test-asan test-tsan
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
 
@@ -48,6 +48,12 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 	@cmake --build build/release --parallel $(JOBS) --target isobath_app
 	$(DEMO)
 	@echo "Report: $(DEMO_OUT)/report.html"
+
+# The pace of the demo; 1 is that of the clock.
+ABOARD_SPEED ?= 1
+demo-aboard: build/release/.configured-$(WERROR) ## A vehicle of stand-ins, joined over sockets and steered past the buoys
+	@cmake --build build/release --parallel $(JOBS) --target isobath_app
+	@scripts/demo-aboard build/release/bin/isobath out/demo-aboard $(ABOARD_SPEED)
 
 test: run-tests-release ## Build and run all the tests; `make test-ROOM`: those of one room
 test-%: build/release/.configured-$(WERROR)

@@ -87,7 +87,7 @@ int stand_in(StandInCommand& options) {
   options.request.turns = turns_of(options.pilot);
   listen_for_interrupt();
   StandIns stand_ins(open_scenario(options.scene), options.request);
-  nlohmann::ordered_json ports;
+  nlohmann::ordered_json ports{{"autopilot", stand_ins.autopilot_port()}};
   for (const auto& device : stand_ins.devices()) {
     ports[to_text(device->kind())] = device->port();
     if (!options.json) fmt::print("{} at port {}\n", to_text(device->kind()), device->port());

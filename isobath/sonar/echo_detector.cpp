@@ -49,6 +49,9 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
           "other sonars."),
       Field::real("false_alarm", &c.false_alarm, {1e-6, 0.5}, "1",
                   "Probability that a bin without a target reports an echo; a sensor model has its own."),
+      Field::real(
+          "false_alarm_m", &c.false_alarm_m, {0, 100}, "m",
+          "In method auto, shorter bins of a scanning head get their share of false_alarm; 0: each bin has it."),
       Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
                   "Probability that a bin with a target reports an echo; a sensor model has its own."),
       Field::real("blanking_m", &c.blanking_m, {0, 100}, "m",
@@ -103,7 +106,7 @@ EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel>
 }
 
 double EchoDetector::false_alarm() const {
-  return config_.method == DetectionMethod::kModel ? model_->false_alarm : config_.false_alarm;
+  return config_.method == DetectionMethod::kModel ? model_->false_alarm : config_.false_alarm * share_;
 }
 
 DetectionMethod EchoDetector::method_for(const Ping& ping) const {
@@ -218,6 +221,8 @@ void EchoDetector::prepare(const Ping& ping) {
   p_detect_.assign(window_.bins, static_cast<float>(config_.p_detect));
   std::fill_n(p_detect_.begin(), first_bin_, 0.0f);
   thresholds_.assign(window_.bins, std::numeric_limits<float>::infinity());
+  const bool by_length = config_.method == DetectionMethod::kAutomatic && ping.fan->beams() == 1;
+  share_ = by_length && config_.false_alarm_m > 0 ? std::min(1.0, window_.bin_m / config_.false_alarm_m) : 1;
   next_beam_ = 0;
   listened_ = false;
   gains_.clear();
@@ -226,8 +231,7 @@ void EchoDetector::prepare(const Ping& ping) {
     case DetectionMethod::kAutomatic:
     case DetectionMethod::kCells:  // fans of too few beams
     case DetectionMethod::kLearnt:
-      tracker_ =
-          NoiseTracker(EchoLevels(type_, full_scale_), window_.bins, first_bin_, config_.false_alarm, config_.noise);
+      tracker_ = NoiseTracker(EchoLevels(type_, full_scale_), window_.bins, first_bin_, false_alarm(), config_.noise);
       state_ = DetectorState::kWarmingUp;
       break;
     case DetectionMethod::kModel: prepare_model(ping); break;

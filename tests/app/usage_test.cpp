@@ -9,7 +9,7 @@ namespace {
 using test::ends_with_one_line, test::write;
 using testing::HasSubstr, testing::StartsWith;
 
-const std::vector<std::string> kCommands{"run",     "serve",      "sim",    "eval",      "info",    "convert",
+const std::vector<std::string> kCommands{"run",     "serve",      "aboard", "stand-in", "sim",    "eval",      "info",    "convert",
                                          "compare", "crosscheck", "path",   "calibrate", "control", "helix",
                                          "sphere",  "stereo",     "config", "help"};
 

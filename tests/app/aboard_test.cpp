@@ -1,0 +1,129 @@
+// isobath aboard beside isobath stand-in: two processes, joined by sockets of this machine.
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <tests/app/json_page.hpp>
+#include <tests/app/logs.hpp>
+#include <tests/app/program.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+namespace fs = std::filesystem;
+using namespace test;
+using nlohmann::json;
+
+const char* const kScene = R"(
+[scene]
+title = "A post on the way"
+duration_s = 200
+latitude_deg = 1.3
+longitude_deg = 103.7
+[bottom]
+depth = 12
+[vehicle]
+file = "VEHICLE"
+start = [0, 0, 3]
+[navigation]
+kind = "sensors"
+[mission]
+title = "Past a post"
+[[mission_point]]
+north = 22
+depth_m = 3
+[[sonar]]
+preset = "ping360"
+sector_deg = 120
+step_deg = 2.7
+[[sonar]]
+preset = "altimeter"
+[[cylinder]]
+name = "post"
+centre = [14, 0, 6]
+radius = 0.3
+length = 12
+)";
+
+/// Lines of JSON, by process.
+struct Joined {
+  ProgramResult result;
+  std::vector<json> stand_in, aboard;
+};
+
+std::vector<json> lines_of(const fs::path& file) {
+  std::vector<json> lines;
+  std::istringstream text(content_of(file));
+  for (std::string line; std::getline(text, line);) lines.push_back(json::parse(line, nullptr, false));
+  return lines;
+}
+
+/// Starts the stand-ins at free ports, then `isobath aboard` with a vehicle file that names them.
+Joined join(const fs::path& folder, const std::string& stand_in, const std::string& aboard) {
+  std::string scene = kScene;
+  scene.replace(scene.find("VEHICLE"), 7, (source_folder() / "vehicles/bluerov2.toml").string());
+  write(folder / "scene.toml", scene);
+  const std::string script = R"(
+    cd "$1"
+    timeout 120 "$0" stand-in scene.toml --json --speed 4 --autopilot udp-server:0 --device ping360=udp-server:0 \
+      --device ping1d=udp-server:0 )" +
+                             stand_in + R"( > stand_in.jsonl & stand_in=$!
+    until [ -s stand_in.jsonl ] || ! kill -0 $stand_in 2> /dev/null; do sleep 0.05; done
+    port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
+    printf '[autopilot]\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n' \
+      $(port autopilot) $(port ping360) $(port ping1d) > vehicle.toml
+    timeout 100 "$0" aboard vehicle.toml --json --speed 4 --until-done --no-page --out out )" +
+                             aboard + R"( > aboard.jsonl
+    code=$?
+    kill -INT $stand_in; wait $stand_in
+    exit $code)";
+  Joined joined;
+  joined.result = in_bash(script, {folder.string()});
+  joined.stand_in = lines_of(folder / "stand_in.jsonl");
+  joined.aboard = lines_of(folder / "aboard.jsonl");
+  return joined;
+}
+
+TEST(Aboard, SailsTheMissionOfTheAutopilotRoundAPost) {
+  const fs::path folder = scratch_folder();
+  const Joined joined = join(folder, "", "");
+  ASSERT_EQ(joined.aboard.size(), 2u) << joined.result.err;
+  ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
+  EXPECT_EQ(joined.result.exit_code, 0) << joined.result.err;
+  JsonPage page;
+  page.compare("aboard, at the start", joined.aboard[0]);
+  page.compare("aboard, after the run", joined.aboard[1]);
+  page.compare("stand-in, at the start", joined.stand_in[0]);
+  page.compare("stand-in, at the end", joined.stand_in[1]);
+  EXPECT_EQ(joined.stand_in[1]["contact_s"], -1);
+  EXPECT_GT(joined.stand_in[1]["length_m"], 20);
+  EXPECT_GT(joined.stand_in[1]["setpoints"], 50);
+  EXPECT_GT(joined.stand_in[1]["rings"], 10);
+  EXPECT_TRUE(fs::exists(folder / "out/autopilot.plan"));
+  EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
+  const ProgramResult again = isobath({"info", (folder / "out/recording.mcap").string()});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
+TEST(Aboard, CommandsNothingInADryRun) {
+  const Joined joined = join(scratch_folder(), "--guided-after 0", "--dry-run & sleep 12; kill -INT $!; wait $!; true");
+  ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
+  EXPECT_EQ(joined.stand_in[1]["setpoints"], 0);
+  EXPECT_EQ(joined.stand_in[1]["refused"], 0);
+  EXPECT_LT(joined.stand_in[1]["length_m"], 2);
+}
+
+TEST(Aboard, SaysWhatIsWrongWithAVehicleFile) {
+  const fs::path folder = scratch_folder();
+  write(folder / "vehicle.toml", "[[device]]\nkind = \"ping360\"\nlink = \"upd:somewhere:1\"\n");
+  EXPECT_THAT(isobath({"aboard", (folder / "vehicle.toml").string()}),
+              ends_with_one_line(testing::HasSubstr("no such kind of link")));
+  EXPECT_THAT(isobath({"aboard"}), ends_with_one_line(testing::HasSubstr("no vehicle file")));
+  EXPECT_THAT(isobath({"stand-in", "--device", "sonar=udp-server:1"}),
+              ends_with_one_line(testing::HasSubstr("not a device with its link")));
+  const ProgramResult format = isobath({"aboard", "--format"});
+  EXPECT_EQ(format.exit_code, 0);
+  write(folder / "again.toml", format.out);
+}
+
+}  // namespace
+}  // namespace isobath
