@@ -28,7 +28,7 @@ function inOneFile(): Plugin {
         html = html.replace(link, () => inside);
         delete bundle[name];
       }
-      const notices = ['three', 'uplot'].map(
+      const notices = ['three', 'uplot', 'fflate'].map(
         (name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`,
       );
       page.source = html.replace('<html', () => `<!--\nThis page holds:\n\n${notices.join('\n\n')}\n-->\n<html`);

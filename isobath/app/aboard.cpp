@@ -135,7 +135,7 @@ class Page {
     if (options.no_page) return;
     const WebServerConfig config = options.page.server();
 
-    server_.emplace(config, page_site(page_.sources(record, options.page.token())));
+    server_.emplace(config, page_site(page_.sources(record, options.page.token(), options.speed)));
     place_ = place_of(config, server_->port());
   }
   [[nodiscard]] RunWatch watch() { return page_.watch(0); }

@@ -133,7 +133,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   for (std::size_t v = 0; v < (group ? group->mission.group.size() : 1); ++v) {
     VehiclePage& page = *pages.emplace_back(std::make_unique<VehiclePage>());
     const auto record = group ? file_of_vehicle(request.record, group->mission.group[v].name) : request.record;
-    sources.push_back(&page.sources(record, token));
+    sources.push_back(&page.sources(record, token, speed));
     watches.push_back(page.watch(options.live ? 0 : speed));
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <isobath/display/display_state.hpp>
@@ -87,7 +88,7 @@ class VehiclePage {
     return {&items_, speed, [] { return is_interrupted(); }, [this] { return orders_.next(); }};
   }
   /// Sources of the page; throws Error as check_page_sources.
-  const PageSources& sources(const std::filesystem::path& record, const std::string& token) {
+  const PageSources& sources(const std::filesystem::path& record, const std::string& token, double speed) {
     sources_.live = std::shared_ptr<SharedChanges>(&shared_, [](SharedChanges*) {});
     sources_.live_span = [this] { return span_of(items_); };
     sources_.over = [this] { return over_.load(); };
@@ -95,6 +96,8 @@ class VehiclePage {
     sources_.token = token;
     if (!token.empty()) sources_.command = [this](PageCommand command) { return orders_.take(command); };
     sources_.version = ISOBATH_VERSION;
+    sources_.run = std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
+    sources_.speed = speed;
     check_page_sources(sources_);
     return sources_;
   }

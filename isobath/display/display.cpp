@@ -193,6 +193,9 @@ void Display::on_message(const Envelope& envelope) {
   } else if (const auto* report = std::get_if<MissionReport>(&envelope.message)) {
     mission_ = *report;
     show_way(time);
+  } else if (const auto* point = std::get_if<PointReport>(&envelope.message)) {
+    mission_.update(*point);
+    show_way(time);
   } else if (const auto* request = std::get_if<RouteRequest>(&envelope.message)) {
     target_ = request->point;
     show_way(time);

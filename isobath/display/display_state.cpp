@@ -27,8 +27,21 @@ bool is_kind(std::uint8_t kind) {
   return kind >= static_cast<std::uint8_t>(DisplayKind::kScene) && kind <= static_cast<std::uint8_t>(kLastDisplayKind);
 }
 
+bool is_bulky(DisplayKind kind) {
+  return kind == DisplayKind::kEchoes || kind == DisplayKind::kGrid || kind == DisplayKind::kDepth ||
+         kind == DisplayKind::kCubes || kind == DisplayKind::kSphere;
+}
+
 bool is_of(DisplayPart part, DisplayKind kind) {
-  return part == DisplayPart::kAll || (kind == DisplayKind::kVoxels) == (part == DisplayPart::kVoxels);
+  const bool voxels = kind == DisplayKind::kVoxels;
+  switch (part) {
+    case DisplayPart::kAll: return true;
+    case DisplayPart::kAllButVoxels: return !voxels;
+    case DisplayPart::kVoxels: return voxels;
+    case DisplayPart::kUrgent: return !voxels && !is_bulky(kind);
+    case DisplayPart::kBulky: return is_bulky(kind);
+  }
+  return false;
 }
 
 }  // namespace
@@ -48,7 +61,7 @@ void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Tim
 }
 
 void mark_as_whole(std::string& records, DisplayPart part) {
-  if (records.size() < kHead) return;
+  if (records.size() < kHead || part == DisplayPart::kBulky) return;
   records[1] = static_cast<char>(records[1] | (part == DisplayPart::kVoxels ? kForgetKind : kForget));
 }
 

@@ -46,12 +46,14 @@ enum class DisplayKind : std::uint8_t {
   kSounds,
   kLevels,
   kPartner,
+  kPacked,  ///< on the way to a page only, no item: records that are packed (docs/live-page.md)
 };
 inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kPartner;
 
 /// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
-/// readers that ask for them, and nothing waits for them.
-enum class DisplayPart : std::uint8_t { kAll, kAllButVoxels, kVoxels };
+/// readers that ask for them, and nothing waits for them. On a slow link kBulky (samples of the sonars, maps) waits for
+/// kUrgent (what an operator acts on); together they are kAllButVoxels.
+enum class DisplayPart : std::uint8_t { kAll, kAllButVoxels, kVoxels, kUrgent, kBulky };
 
 /// Whether something is due: it was never shown, time went back, or `interval` has passed since.
 inline bool show_again(const std::optional<Time>& shown, Time now, Duration interval) {
@@ -72,8 +74,8 @@ struct DisplayRecord {
 };
 /// Returns how many bytes held whole, valid records.
 std::size_t for_each_record(std::string_view records, const std::function<void(const DisplayRecord&)>& take);
-/// Marks the first record of `records` so that a page first forgets all items, or those of `part`. Does nothing without
-/// a record.
+/// Marks the first record of `records` so that a page first forgets all items, or the voxels alone. Does nothing
+/// without a record, and for kBulky, which follows on kUrgent.
 void mark_as_whole(std::string& records, DisplayPart part = DisplayPart::kAll);
 
 class DisplayState {

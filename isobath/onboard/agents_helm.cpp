@@ -22,6 +22,7 @@ bool finite_fix(const Navigation& fix) {
 void MissionLog::note(const Envelope& envelope) {
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions.push_back(*decision);
   if (const auto* said = std::get_if<MissionReport>(&envelope.message)) report = *said;
+  if (const auto* point = std::get_if<PointReport>(&envelope.message)) report.update(*point);
   if (const auto* order = std::get_if<SonarOrder>(&envelope.message)) sonar = *order;
   const auto* command = std::get_if<OperatorCommand>(&envelope.message);
   if (command && command->kind == OperatorCommand::Kind::kAcknowledge) acknowledged = true;

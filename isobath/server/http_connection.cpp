@@ -101,11 +101,9 @@ void HttpConnection::upgrade(http::request<http::empty_body> request, const WebS
   if (origin != request.end() && !is_origin_of(view(origin->value()), host_)) {
     return refuse(http::status::forbidden, "origin");
   }
-  if (hub_.clients.size() >= static_cast<std::size_t>(hub_.config.max_clients)) {
-    return refuse(http::status::service_unavailable, "clients");
-  }
+  const bool full = hub_.clients.size() >= static_cast<std::size_t>(hub_.config.max_clients);
   stream_.expires_never();
-  std::make_shared<SocketClient>(hub_, std::move(stream_), std::move(place_), open)->accept(std::move(request));
+  std::make_shared<SocketClient>(hub_, std::move(stream_), std::move(place_), open)->accept(std::move(request), full);
 }
 
 HttpConnection::Response HttpConnection::response_of(http::status status, std::string_view type,

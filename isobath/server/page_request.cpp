@@ -20,7 +20,8 @@ struct AskRule {
   const char* word = nullptr;  ///< key of a text
 };
 constexpr double kMaxSeconds = 1e9;
-constexpr std::array<AskRule, 9> kRules{{
+constexpr double kMaxFrame = 9e15;  // a double holds it
+constexpr std::array<AskRule, 10> kRules{{
     {"play", Ask::kPlay},
     {"pause", Ask::kPause},
     {"speed", Ask::kSpeed, "times", 0.1, 100},
@@ -30,6 +31,7 @@ constexpr std::array<AskRule, 9> kRules{{
     {"control", Ask::kControl, nullptr, 0, 0, false, "token"},
     {"command", Ask::kCommand, nullptr, 0, 0, false, "command"},
     {"detail", Ask::kDetail, nullptr, 0, 0, false, "voxels"},
+    {"seen", Ask::kSeen, "frame", 0, kMaxFrame, true},
 }};
 
 /// Truncates to 32 bytes at a character boundary.

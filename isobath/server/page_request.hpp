@@ -11,9 +11,9 @@
 namespace isobath {
 
 struct PageRequest {
-  enum class Ask { kPlay, kPause, kSpeed, kSeek, kStep, kLive, kControl, kCommand, kDetail };
+  enum class Ask { kPlay, kPause, kSpeed, kSeek, kStep, kLive, kControl, kCommand, kDetail, kSeen };
   Ask ask = Ask::kPlay;
-  double number = 0;  ///< times, s or steps
+  double number = 0;  ///< times, s, steps or frame
   std::string word;   ///< token, command or detail
 };
 

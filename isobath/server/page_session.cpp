@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <isobath/server/page_session.hpp>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -8,6 +9,9 @@ namespace isobath {
 namespace {
 
 using Ask = PageRequest::Ask;
+
+constexpr std::size_t kUrgentPieces = 4;  ///< urgent records are packed to a quarter and less
+constexpr int kLevel = 6;
 
 bool same_secret(std::string_view said, std::string_view secret) {
   unsigned differs = said.size() == secret.size() ? 0 : 1;
@@ -29,8 +33,9 @@ void check_page_sources(const PageSources& sources) {
   }
 }
 
-PageSession::PageSession(const PageSources& sources)
+PageSession::PageSession(const PageSources& sources, bool paced)
     : sources_(sources), live_(sources.live != nullptr), last_refusal_(sources.clock()) {
+  if (paced) paced_.emplace().opened = sources_.clock();
   if (live_) return;
   playback_ = sources_.open_playback();
   put_playhead(playback_->span().start);
@@ -56,6 +61,7 @@ Hearing PageSession::on_message(std::string_view text) {
 }
 
 Hearing PageSession::follow(const PageRequest& request) {
+  if (request.ask == Ask::kSeen) return seen(request.number);
   voxels_next_ = false;  // the answer to the request comes first
   switch (request.ask) {
     case Ask::kControl: return control(request.word);
@@ -78,7 +84,8 @@ Hearing PageSession::follow(const PageRequest& request) {
       return {};
     case Ask::kPause:
     case Ask::kSeek:
-    case Ask::kStep: break;
+    case Ask::kStep:
+    case Ask::kSeen: break;
   }
   if (!sources_.open_playback) {
     return refuse({request.ask == Ask::kSeek ? "seek" : "pause", "nothing is recorded"}, "no_recording");
@@ -137,11 +144,26 @@ Hearing PageSession::detail(const std::string& word) {
   return {};
 }
 
+Hearing PageSession::seen(double frame) {
+  if (!paced_) return refuse({"seen", "this page is not paced"}, "ask");
+  paced_->link.on_seen(static_cast<std::uint64_t>(frame), sources_.clock());
+  paced_->seen = frame;
+  paced_->seen_s = session_s();
+  return {};
+}
+
+void PageSession::restart() {
+  stamp_ = 0;
+  forget_ = true;
+  if (!paced_) return;
+  paced_->urgent_stamp = 0;
+  paced_->urgent_s = paced_->bulky_s = -1;
+}
+
 void PageSession::look_at_now() {
   if (live_) return;
   live_ = true;
-  stamp_ = 0;
-  forget_ = true;
+  restart();
 }
 
 void PageSession::look_at_recording() {
@@ -153,8 +175,7 @@ void PageSession::look_at_recording() {
   live_ = false;
   shown_.clear();
   shown_time_.reset();
-  stamp_ = 0;
-  forget_ = true;
+  restart();
 }
 
 /// Whether the run is in progress.
@@ -198,11 +219,14 @@ void PageSession::show_recording() {
 std::string PageSession::clock_text() const {
   const TimeSpan all = span();
   const Time from = start();
-  const Time now = live_ ? sources_.live_span().end : playhead();
+  const Time now = shown_now();
+  // A recording that was opened before the run went on ends before the present.
+  const Time end = live_ ? std::max(all.end, now) : all.end;
   nlohmann::json clock{{"now_s", rounded_ms(now - from)},      {"start_s", rounded_ms(all.start - from)},
-                       {"end_s", rounded_ms(all.end - from)},  {"live", live_},
-                       {"playing", live_ ? runs() : playing_}, {"speed", live_ ? 1 : speed_},
+                       {"end_s", rounded_ms(end - from)},      {"live", live_},
+                       {"playing", live_ ? runs() : playing_}, {"speed", live_ ? sources_.speed.value_or(1) : speed_},
                        {"version", sources_.version}};
+  if (!sources_.run.empty()) clock["run"] = sources_.run;
   if (!sources_.token.empty()) clock["control"] = control_;
   if (sources_.live && !runs()) clock["over"] = true;
   if (sources_.live) clock["live_s"] = rounded_ms(sources_.live_span().end - from);
@@ -222,38 +246,137 @@ SharedChanges::Piece PageSession::changes(DisplayPart part, std::uint64_t& stamp
   return piece;
 }
 
-WebFrame PageSession::next() {
+WebFrame PageSession::next() { return paced_ ? next_paced() : next_unpacked(); }
+
+/// If it fails, the page goes on showing what it shows.
+void PageSession::try_to_show_recording() {
+  try {
+    show_recording();
+  } catch (const Error& error) {
+    if (shown_time_) put_playhead(*shown_time_);
+    playing_ = false;
+    refuse({"", error.what()}, "recording");
+  }
+}
+
+WebFrame PageSession::next_unpacked() {
   if (std::exchange(voxels_next_, false)) {
     WebFrame frame = next_voxels();
     if (frame.shared) return frame;
   }
   WebFrame frame;
-  if (!live_) {
-    try {
-      show_recording();
-    } catch (const Error& error) {
-      if (shown_time_) put_playhead(*shown_time_);
-      playing_ = false;
-      refuse({"", error.what()}, "recording");
-    }
-  }
+  if (!live_) try_to_show_recording();
   SharedChanges::Piece piece = changes(DisplayPart::kAllButVoxels, stamp_);
   if (piece.whole || forget_) voxel_stamp_ = 0;
   voxels_next_ = voxels_ && !piece.more;
   frame.shared = std::move(piece.records);
   frame.more = piece.more || voxels_next_;
+  if (paced_ && !piece.more) paced_->urgent_s = paced_->bulky_s = session_s();
 
-  const std::string clock = clock_text();
-  const Time now = live_ ? sources_.live_span().end : playhead();
-  if (clock != said_clock_ || piece.whole || forget_) append_record(frame.own, DisplayKind::kClock, 0, now, clock);
+  const Time now = shown_now();
+  if (clock_is_due() || piece.whole || forget_) add_clock(frame.own, now);
   if (forget_ && !frame.shared) mark_as_whole(frame.own);
   forget_ = false;
-  said_clock_ = clock;
-  for (const std::string& answer : answers_) append_record(frame.own, DisplayKind::kRefusal, 0, now, answer);
-  answers_.clear();
+  add_answers(frame.own, now);
   if (frame.bytes() > 0 || !voxels_next_) return frame;
   voxels_next_ = false;
   return next_voxels();
+}
+
+void PageSession::add_answers(std::string& out, Time now) {
+  for (const std::string& answer : answers_) append_record(out, DisplayKind::kRefusal, 0, now, answer);
+  answers_.clear();
+}
+
+double PageSession::session_s() const {
+  return std::chrono::duration<double>(sources_.clock() - paced_->opened).count();
+}
+
+bool PageSession::clock_is_due() const {
+  return clock_text() != said_clock_ || (paced_ && sources_.clock() - paced_->clock_sent >= kKeepAlive);
+}
+
+void PageSession::add_clock(std::string& out, Time now) {
+  said_clock_ = clock_text();
+  if (!paced_) return append_record(out, DisplayKind::kClock, 0, now, said_clock_);
+  paced_->clock_sent = sources_.clock();
+  paced_->clock_frame = paced_->frame + 1;
+  std::string text = said_clock_;
+  text.back() = ',';
+  text += fmt::format("\"frame\":{},\"seen\":{},\"seen_s\":{:.4f}", paced_->frame + 1, paced_->seen, paced_->seen_s);
+  if (paced_->urgent_s >= 0) text += fmt::format(",\"made_s\":{:.4f}", paced_->urgent_s);
+  if (paced_->bulky_s >= 0) text += fmt::format(",\"maps_s\":{:.4f}", paced_->bulky_s);
+  append_record(out, DisplayKind::kClock, 0, now, text + "}");
+}
+
+WebFrame PageSession::next_paced() {
+  Paced& p = *paced_;
+  if (p.link.room() == 0) return {};
+  const bool slow = p.link.window() < SharedChanges::kPieceBytes;
+  if (slow && !p.packs) p.urgent_stamp = p.bulky_stamp = stamp_;
+  if (!slow && p.packs && p.batch.left() == 0) stamp_ = std::min(p.urgent_stamp, p.bulky_stamp);
+  p.packs = slow || (p.packs && p.batch.left() > 0);
+  WebFrame frame = p.packs ? next_packed() : next_unpacked();
+  if (frame.bytes() == 0) return frame;
+  if (p.clock_frame != p.frame + 1) add_clock(frame.own, shown_now());  // the number of the frame
+  p.link.on_sent(++p.frame, frame.bytes(), sources_.clock());
+  return frame;
+}
+
+WebFrame PageSession::next_packed() {
+  Paced& p = *paced_;
+  if (!live_) try_to_show_recording();
+  const DisplayState& items = live_ ? sources_.live->items() : shown_;
+  const std::size_t piece =
+      std::max<std::size_t>(LinkPace::kMinWindow / 2, std::min(p.link.room(), p.link.window() / 4));
+  DisplayState::Changes urgent = items.changes_after(p.urgent_stamp, kUrgentPieces * piece, DisplayPart::kUrgent);
+  p.urgent_stamp = urgent.stamp;
+  if (!urgent.more) p.urgent_s = session_s();
+  if (urgent.whole || forget_) {
+    p.bulky_stamp = voxel_stamp_ = 0;
+    p.bulky_afresh = true;
+    p.batch.bytes.clear();
+    p.batch.sent = 0;
+  }
+  if (p.batch.left() == 0 && !urgent.more) next_batch();
+
+  const Time now = shown_now();
+  std::string records;
+  if (forget_ || urgent.whole || !urgent.records.empty() || p.batch.left() > 0 || clock_is_due())
+    add_clock(records, now);
+  if (forget_ || urgent.whole) mark_as_whole(records);
+  if (urgent.whole) urgent.records[1] = 0;  // the clock before it says so
+  forget_ = false;
+  records += urgent.records;
+  add_answers(records, now);
+  WebFrame frame;
+  if (records.empty()) return frame;
+  PackedRecords first{PackedRecords::Channel::kUrgent, packed(records, Packing::kZlib, kLevel)};
+  first.append_slice(frame.own, first.bytes.size(), now);
+  if (p.batch.left() > 0 && frame.bytes() < piece) p.batch.append_slice(frame.own, piece - frame.bytes(), now);
+  if (p.batch.left() == 0 && !p.batch.bytes.empty() && !p.batch_more) p.bulky_s = p.batch_s;
+  frame.more = urgent.more || p.batch.left() > 0 || p.batch_more;
+  return frame;
+}
+
+/// What is bulky and new, as much as the link carries soon. Voxels have every second turn.
+void PageSession::next_batch() {
+  Paced& p = *paced_;
+  const DisplayState& items = live_ ? sources_.live->items() : shown_;
+  DisplayState::Changes changes;
+  bool voxels = voxels_ && !p.batch_is_voxels;
+  for (int turn = 0; turn < 2 && changes.records.empty(); ++turn, voxels = voxels_ && !voxels) {
+    std::uint64_t& stamp = voxels ? voxel_stamp_ : p.bulky_stamp;
+    changes = items.changes_after(stamp, p.link.window(), voxels ? DisplayPart::kVoxels : DisplayPart::kBulky);
+    stamp = changes.stamp;
+    p.batch_is_voxels = voxels;
+    if (!voxels && changes.whole && !std::exchange(p.bulky_afresh, false)) forget_ = true;
+  }
+  p.batch_s = session_s();
+  p.batch_more = changes.more;
+  p.batch.sent = 0;
+  p.batch.bytes = changes.records.empty() ? std::string() : packed(changes.records, Packing::kZlib, kLevel);
+  if (changes.records.empty()) p.bulky_s = p.batch_s;
 }
 
 /// Further voxels wait until all other items have had their turn.

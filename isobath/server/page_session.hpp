@@ -9,6 +9,11 @@
 // and can draw them: at first after all other items, later by turns with what else is new. Other pages get the larger
 // cubes only.
 //
+// A paced page tells which frames it has shown, and its clock has `made_s`, so that it knows how old its content is, on
+// any link (docs/live-page.md). It gets no more than its link carries (LinkPace). On a slow link the records are
+// packed, what an operator acts on comes first, and what is bulky comes in slices between (PackedRecords): the newest
+// version of each item, when its turn has come.
+//
 // Requests are untrusted. The session answers a request that it cannot follow with a refusal record, and the server
 // counts it. At most kMaxAnswers refusals wait. The session closes the connection after more than kMaxRefusals
 // refusals (one is forgiven per second) or after kWrongTokens wrong tokens. Commands need the token; its comparison
@@ -20,6 +25,8 @@
 #include <chrono>
 #include <functional>
 #include <isobath/display/playback.hpp>
+#include <isobath/server/link_pace.hpp>
+#include <isobath/server/packed_records.hpp>
 #include <isobath/server/page_request.hpp>
 #include <isobath/server/shared_changes.hpp>
 #include <isobath/server/web_session.hpp>
@@ -41,8 +48,10 @@ struct PageSources {
   std::function<std::unique_ptr<Playback>()> open_playback = {};
   /// Returns why the command was refused; empty: it was accepted. Must not block. Null: no commands.
   std::function<std::string(PageCommand)> command = {};
-  std::string token = {};    ///< gives the right to command; empty: no page has it
-  std::string version = {};  ///< a page of another version should reload
+  std::string token = {};            ///< gives the right to command; empty: no page has it
+  std::string version = {};          ///< a page of another version should reload
+  std::string run = {};              ///< differs from that of any other run; empty: the recording tells it
+  std::optional<double> speed = {};  ///< of the run, times real time; 0: no limit
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 
@@ -54,8 +63,11 @@ class PageSession final : public WebSession {
   static constexpr int kMaxAnswers = 8, kWrongTokens = 3, kMaxRefusals = 30;
   static constexpr std::size_t kMinToken = 16;  ///< characters
 
-  /// The sources must outlive the session and have been checked. Throws Error if a recording cannot be opened.
-  explicit PageSession(const PageSources& sources);
+  static constexpr std::chrono::milliseconds kKeepAlive{500};  ///< a paced page gets a clock at least so often
+
+  /// The sources must outlive the session and have been checked. A page that is not `paced` gets all that the socket
+  /// takes. Throws Error if a recording cannot be opened.
+  explicit PageSession(const PageSources& sources, bool paced = false);
 
   Hearing on_message(std::string_view text) override;
   WebFrame next() override;
@@ -69,6 +81,7 @@ class PageSession final : public WebSession {
   Hearing control(const std::string& token);
   Hearing command(const std::string& word);
   Hearing detail(const std::string& word);
+  Hearing seen(double frame);
 
   void look_at_now();
   void look_at_recording();
@@ -78,6 +91,18 @@ class PageSession final : public WebSession {
   [[nodiscard]] Time playhead() const;
   void put_playhead(Time moment);
   void show_recording();
+  void try_to_show_recording();
+  /// Everything is sent anew.
+  void restart();
+  WebFrame next_paced();
+  WebFrame next_unpacked();
+  WebFrame next_packed();
+  void next_batch();
+  void add_answers(std::string& out, Time now);
+  [[nodiscard]] bool clock_is_due() const;
+  void add_clock(std::string& out, Time now);
+  [[nodiscard]] Time shown_now() const { return live_ ? sources_.live_span().end : playhead(); }
+  [[nodiscard]] double session_s() const;
   WebFrame next_voxels();
   SharedChanges::Piece changes(DisplayPart part, std::uint64_t& stamp);
   [[nodiscard]] std::string clock_text() const;
@@ -98,6 +123,20 @@ class PageSession final : public WebSession {
   bool voxels_ = false;             ///< the page asked for voxels
   bool voxels_next_ = false;        ///< the next frame is one of voxels
   bool forget_ = false;             ///< the page must drop its items: it shows another source now
+
+  struct Paced {
+    LinkPace link;
+    Clock::time_point opened, clock_sent;
+    std::uint64_t frame = 0, clock_frame = 0;  ///< numbers of the last frame, and of the last with a clock
+    bool packs = true;                         ///< the link is slow
+    std::uint64_t urgent_stamp = 0, bulky_stamp = 0;
+    PackedRecords batch{PackedRecords::Channel::kBulky, {}};  ///< bulky records that are being sent
+    double batch_s = 0;                                       ///< when they were made
+    bool batch_more = false, batch_is_voxels = false, bulky_afresh = false;
+    double urgent_s = -1, bulky_s = -1;  ///< the page has all changes up to these times of the session
+    double seen = -1, seen_s = 0;        ///< the frame that the page has shown, and when it told so
+  };
+  std::optional<Paced> paced_;
 
   std::vector<std::string> answers_;
   std::string said_clock_;

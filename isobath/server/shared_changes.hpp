@@ -30,6 +30,7 @@ class SharedChanges {
     bool whole = false, more = false;            ///< as in DisplayState::Changes
   };
   Piece after(std::uint64_t stamp, Clock::time_point now, DisplayPart part = DisplayPart::kAll);
+  [[nodiscard]] const DisplayState& items() const { return items_; }
   /// Number of pieces that were encoded; reused ones do not count.
   [[nodiscard]] std::uint64_t encoded() const { return encoded_; }
 

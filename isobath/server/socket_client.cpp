@@ -25,7 +25,7 @@ SocketClient::~SocketClient() {
   if (session_) hub_.count([](WebCounts& c) { --c.clients; });
 }
 
-void SocketClient::accept(http::request<http::empty_body> request) {
+void SocketClient::accept(http::request<http::empty_body> request, bool full) {
   const WebServerConfig& c = hub_.config;
   socket_.set_option(websocket::stream_base::timeout{ticks_of(c.request_s), ticks_of(c.silent_s), true});
   socket_.read_message_max(static_cast<std::size_t>(c.max_message_bytes));
@@ -37,9 +37,11 @@ void SocketClient::accept(http::request<http::empty_body> request) {
     net::post(hub_.context, [self = shared_from_this()] { self->refuse("pings"); });
   });
   request_ = std::move(request);
-  socket_.async_accept(request_, [self = shared_from_this()](error_code ec) {
+  socket_.async_accept(request_, [self = shared_from_this(), full](error_code ec) {
     if (ec) return self->hub_.refuse("handshake");
-    self->open();
+    if (!full) return self->open();
+    self->refuse("clients", websocket::close_code::try_again_later);
+    self->read();
   });
 }
 

@@ -34,7 +34,9 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
   SocketClient(const SocketClient&) = delete;
   SocketClient& operator=(const SocketClient&) = delete;
   ~SocketClient();
-  void accept(http::request<http::empty_body> request);
+  /// `full`: there are as many clients as there may be. A browser tells a page why a socket was closed, but not why one
+  /// was refused, so the client is let in and told to try again later.
+  void accept(http::request<http::empty_body> request, bool full);
 
   /// Called once per frame period.
   void tick(Clock::time_point now);

@@ -49,6 +49,11 @@ export class Chart {
     this.size = `${width} ${height}`;
   }
 
+  clear(): void {
+    this.plot?.destroy();
+    this.plot = null;
+  }
+
   private options(curves: readonly Curve[], axes: Axes, width: number, height: number): uPlot.Options {
     const { paint, name } = this.theme;
     const colourOf = (colour: Curve['colour']) =>

@@ -1,11 +1,37 @@
-/** Connection: shows in the header whether the page is up to date, and a notice above everything when it is not. */
+/**
+ * Connection: shows in the header what the page shows (the present of a vehicle, a log, the past, a recording) and
+ * whether that is up to date, and a notice above everything when it is not.
+ */
 import { byId, mark, say } from './dom';
 import type { Feed } from './feed';
+import type { Clock } from './items';
+import { kLive } from './link';
 import * as units from './units';
 import type { Shared } from './view';
 
-/** ms: without a message for this long, while the clock runs, the page is stale. */
+/** ms: without a message for this long, the page is stale. A feed that tells its delay sends one twice a second. */
 const kSilent = 3000;
+/** s: sonar and maps that are older than what is acted on are told from this age on. */
+const kLateMaps = 2;
+
+/** What is shown; it has a colour, a sign and a word of its own. */
+export type Shown = 'live' | 'log' | 'past' | 'recording' | 'over' | 'stored';
+const kSigns: Record<Shown, string> = {
+  live: '● LIVE',
+  log: '▤ LOG',
+  past: '◀ PAST',
+  recording: '▶ RECORDING',
+  over: '■ run is over',
+  stored: '■ stored run',
+};
+
+export function shownOf(clock: Clock | null, simulated: boolean, feed: Feed): Shown {
+  if (feed.state.is === 'stored') return 'stored';
+  if (clock && !clock.hasNow) return 'recording';
+  if (clock && !clock.live) return 'past';
+  if (clock?.over) return 'over';
+  return simulated || !clock ? 'live' : 'log';
+}
 
 export class Connection {
   private readonly badge = byId('connection');
@@ -26,54 +52,71 @@ export class Connection {
   /** Called a few times a second. */
   tick(now: number): void {
     this.measure(now);
-    const { feed } = this;
-    const { clock } = this.shared.model;
-    const old = Number.isFinite(feed.heard) ? (now - feed.heard) / 1000 : NaN;
-    const runs = (clock?.playing ?? false) || ((clock?.live ?? false) && !clock?.over);
-    const silent = feed.state.is === 'open' && runs && old * 1000 > kSilent;
-    const state = silent ? 'silent' : feed.state.is;
+    const { clock, scene } = this.shared.model;
+    const shown = shownOf(clock, scene?.simulated ?? true, this.feed);
+    const state = this.state(now, clock);
     mark(this.badge, 'state', state);
-    say(this.badge, this.words(state));
-    const text = this.trouble(state, old, now);
+    mark(document.body, 'shows', shown);
+    mark(document.body, 'link', state);
+    say(this.badge, this.words(state, shown, clock));
+    const text = this.trouble(state, now);
     this.notice.hidden = text === '';
     say(this.notice, text);
-    document.body.classList.toggle(
-      'stale',
-      (state === 'lost' || state === 'silent' || state === 'connecting') && Number.isFinite(old),
-    );
+    const seen = Number.isFinite(this.feed.heard);
+    document.body.classList.toggle('stale', seen && ['lost', 'silent', 'connecting', 'behind'].includes(state));
     this.rates();
     this.refusals();
   }
 
-  private words(state: string): string {
-    const { clock } = this.shared.model;
+  private state(now: number, clock: Clock | null): string {
+    const { feed } = this;
+    const { link } = this.shared;
+    if (feed.state.is !== 'open') return feed.state.is;
+    const runs = link.measures || (clock?.playing ?? false) || ((clock?.live ?? false) && !clock?.over);
+    if (runs && now - feed.heard > kSilent) return 'silent';
+    if (!link.measures) return clock ? 'open' : 'connecting';
+    if (Number.isNaN(this.behind)) return 'connecting';
+    return link.isLive ? 'open' : 'behind';
+  }
+
+  private get behind(): number {
+    return this.shared.link.behind(document.hidden);
+  }
+
+  private words(state: string, shown: Shown, clock: Clock | null): string {
     switch (state) {
-      case 'open':
-        if (clock?.over) return '■ run is over';
-        return clock?.live ? '● live' : '● connected';
       case 'connecting':
         return '○ connecting';
       case 'lost':
-        return '✕ connection lost';
+        return this.feed.state.is === 'lost' && this.feed.state.full ? '✕ no place left' : '✕ connection lost';
       case 'silent':
         return '▲ no data';
+      case 'behind':
+        return this.behind > kLive ? `▲ ${units.age(this.behind)} BEHIND` : '▲ catching up';
       case 'unreadable':
         return '✕ unreadable';
-      default:
-        return '■ stored run';
     }
+    const simulation = this.shared.model.scene?.simulated && shown === 'live' ? ' simulation' : '';
+    const paused = shown === 'recording' && !clock?.playing ? '❚❚ RECORDING' : kSigns[shown];
+    const ago = shown === 'past' && clock?.present !== undefined ? ` ${units.elapsed(clock.now - clock.present, 0)}` : '';
+    return `${paused}${ago}${simulation}`;
   }
 
-  private trouble(state: string, old: number, now: number): string {
+  private trouble(state: string, now: number): string {
+    const old = this.shared.link.measures ? this.behind : (now - this.feed.heard) / 1000;
     const seen = Number.isFinite(old) ? ` What you see is ${units.age(old)} old.` : '';
     const { state: is } = this.feed;
     if (is.is === 'lost') {
       const wait = Math.max(0, Math.ceil((is.retry - now) / 1000));
-      return `▲ Connection lost, trying again in ${wait} s.${seen}`;
+      const why = is.full ? 'The program serves as many pages as it may (max_clients)' : 'Connection lost';
+      return `▲ ${why}, trying again in ${wait} s.${seen}`;
     }
-    if (is.is === 'connecting' && seen) return `▲ Connection lost, trying now.${seen}`;
+    if (is.is === 'connecting' && Number.isFinite(this.feed.heard)) return `▲ Connection lost, trying now.${seen}`;
     if (is.is === 'unreadable') return `▲ The run in this page cannot be read: ${is.why}.`;
-    return state === 'silent' ? `▲ No data received.${seen}` : '';
+    if (state === 'silent') return `▲ No data received.${seen}`;
+    if (state === 'behind' && this.behind > kLive) return `▲ The link is slow, or this device is:${seen.toLowerCase()}`;
+    const maps = this.shared.link.mapsBehind();
+    return state === 'open' && maps > kLateMaps ? `▲ Slow link: sonar and maps are ${units.age(maps)} behind.` : '';
   }
 
   private measure(now: number): void {

@@ -8,8 +8,8 @@ import type { Request } from './request';
 export type FeedState =
   | { is: 'connecting' }
   | { is: 'open' }
-  /** `retry`: time of the next attempt, ms on the feed's clock. */
-  | { is: 'lost'; retry: number }
+  /** `retry`: time of the next attempt, ms on the feed's clock. `full`: the program serves as many pages as it may. */
+  | { is: 'lost'; retry: number; full: boolean }
   | { is: 'stored' }
   | { is: 'unreadable'; why: string };
 
@@ -42,6 +42,8 @@ export interface Surroundings {
 }
 
 const kOpen = 1;
+/** The code of RFC 6455 with which the program closes a socket too many. */
+const kTryLater = 1013;
 const kFirstWait = 500;
 const kLongestWait = 15000;
 /** ms: a connection that neither opens nor fails is given up after this time. */
@@ -89,7 +91,7 @@ export class SocketFeed implements Feed {
       this.bytes += data.byteLength;
       this.take(new Uint8Array(data));
     };
-    socket.onclose = () => socket === this.socket && this.lose();
+    socket.onclose = (event: { code?: number }) => socket === this.socket && this.lose(event?.code === kTryLater);
     this.around.later(kPatience, () => {
       if (socket !== this.socket || this.state.is !== 'connecting') return;
       this.lose();
@@ -97,9 +99,9 @@ export class SocketFeed implements Feed {
     });
   }
 
-  private lose(): void {
+  private lose(full = false): void {
     this.socket = null;
-    this.become({ is: 'lost', retry: this.around.now() + this.wait });
+    this.become({ is: 'lost', retry: this.around.now() + this.wait, full });
     this.around.later(this.wait, () => this.connect());
     this.wait = Math.min(kLongestWait, this.wait * 2);
   }
@@ -175,7 +177,7 @@ export function feedOf(document: Document): Feed {
   if (stored) return new StoredFeed(stored);
   const { protocol, host, pathname } = document.location;
   return new SocketFeed({
-    connect: () => new WebSocket(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}${pathname.replace(/[^/]*$/, '')}socket`),
+    connect: () => new WebSocket(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}${pathname.replace(/[^/]*$/, '')}socket/paced`),
     now: () => performance.now(),
     later: (ms, then) => void setTimeout(then, ms),
   });

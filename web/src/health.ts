@@ -134,5 +134,5 @@ function trouble(kind: string, what: string, why: string, active: boolean): HTML
 
 function pairs(list: HTMLElement, rows: readonly (readonly [string, string])[], none = '–'): void {
   const cells = rows.flatMap(([name, value]) => [make('dt', {}, name.replaceAll('_', ' ')), make('dd', {}, value)]);
-  list.replaceChildren(...(cells.length > 0 ? cells : [make('dd', { class: 'none' }, none)]));
+  list.replaceChildren(...(cells.length > 0 ? cells : [make('dt', {}, none), make('dd')]));
 }

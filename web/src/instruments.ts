@@ -1,22 +1,21 @@
-/** Instruments: the main figures of the vehicle, and the banner of alarms and faults. */
+/** Instruments: the main figures of the vehicle. */
 import { byId, make, mark, say } from './dom';
 import type { Scene } from './items';
-import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
 
 /** s: an older position is shown as stale. */
 const kStale = 2;
+/** A battery below this share is marked. */
+const kLow = 0.2;
 
 export class Instruments implements View {
   private readonly box = byId('instruments');
-  private readonly banner = byId('alarms');
   private readonly cells = new Map<string, { value: HTMLElement; wish: HTMLElement; cell: HTMLElement }>();
-  private bannerLook = '';
   private group = '';
 
   constructor(private readonly shared: Shared) {
-    for (const name of ['Heading', 'Speed', 'Depth', 'Altitude', 'Position', 'Route']) {
+    for (const name of ['Heading', 'Speed', 'Depth', 'Altitude', 'Position', 'Route', 'Attitude', 'Battery', 'Leak']) {
       const value = make('span', { class: 'value', id: `now-${name.toLowerCase()}` }, '–');
       const wish = make('span', { class: 'wish' });
       const cell = make('div', { class: 'instrument' }, make('span', { class: 'name' }, name), value, wish);
@@ -45,8 +44,8 @@ export class Instruments implements View {
     const { vehicle: v, way, scene } = model;
     say(byId('title'), scene?.title || 'Isobath');
     say(byId('source'), scene ? `${scene.source}${scene.simulated ? ' (simulated)' : ''}` : '');
-    if (document.title !== (scene?.title || 'Isobath')) document.title = scene?.title || 'Isobath';
     this.vehicles(scene);
+    this.set('Attitude', units.attitude(v?.roll, v?.pitch), v ? 'roll, pitch' : '');
     this.set('Heading', units.bearing(v?.heading), wish(v && units.bearing(v.wantedHeading), v?.wantedHeading));
     this.set(
       'Speed',
@@ -70,28 +69,24 @@ export class Instruments implements View {
     const old = Number.isFinite(age) && age > kStale;
     mark(this.box, 'stale', String(old));
     say(byId('vehicle-age'), old ? `position is ${units.age(age)} old` : '');
-    this.alarms();
+    this.parts();
+  }
+
+  /** What the parts of the vehicle report, where they do. */
+  private parts(): void {
+    const { battery, leak } = this.shared.model.health ?? {};
+    this.set('Battery', battery === undefined ? '' : units.percent(battery), battery !== undefined && battery < kLow ? '▲ low' : '');
+    this.set('Leak', leak === undefined ? '' : leak ? '▲ WATER' : 'none', '');
+    this.cells.get('Battery')!.cell.hidden = battery === undefined;
+    this.cells.get('Leak')!.cell.hidden = leak === undefined;
+    mark(this.cells.get('Leak')!.cell, 'alarmed', String(leak === true));
+    mark(this.cells.get('Battery')!.cell, 'alarmed', String(battery !== undefined && battery < kLow));
   }
 
   private set(name: string, value: string, wished: string): void {
     const cell = this.cells.get(name)!;
     say(cell.value, value);
     say(cell.wish, wished);
-  }
-
-  /** The banner above all views. */
-  private alarms(): void {
-    const { health, revision } = this.shared.model;
-    const look = `${revision[Kind.health]}`;
-    if (look === this.bannerLook) return;
-    this.bannerLook = look;
-    const lines = (health?.alarms ?? []).map((alarm) => `Alarm: ${alarm}`);
-    for (const { fault, action, active } of health?.faults ?? []) {
-      if (active) lines.push(`Fault: ${fault}${action ? ` (action: ${action})` : ''}`);
-    }
-    const text = lines.map((line) => `▲ ${line}`).join('   ');
-    this.banner.hidden = lines.length === 0;
-    say(this.banner, text);
   }
 }
 

@@ -312,6 +312,9 @@ export interface Health {
   alarms: string[];
   faults: Fault[];
   agents: { name: string; state: string; why: string }[];
+  /** The least charge of the batteries, 0 to 1, and whether a part reports water; absent: no part tells. */
+  battery: number | undefined;
+  leak: boolean | undefined;
   /** All other values, listed as they are. */
   more: [string, string][];
 }
@@ -349,7 +352,17 @@ export function readHealth(json: unknown): Health | null {
     agents: all(json.agents, (v) =>
       isObject(v) ? { name: words(v.name), state: words(v.state), why: words(v.why) } : undefined,
     ),
+    ...powerOf(list(json.parts)),
     more,
+  };
+}
+
+function powerOf(parts: unknown[]): Pick<Health, 'battery' | 'leak'> {
+  const shares = all(parts, (part) => (isObject(part) ? number(part.battery_share) : undefined));
+  const leaks = all(parts, (part) => (isObject(part) && typeof part.leak === 'boolean' ? part.leak : undefined));
+  return {
+    battery: shares.length > 0 ? Math.min(...shares) : undefined,
+    leak: leaks.length > 0 ? leaks.includes(true) : undefined,
   };
 }
 
@@ -389,6 +402,8 @@ export interface Clock {
   live: boolean;
   /** Whether there is a live view to go back to; a recording has none. */
   hasNow: boolean;
+  /** The present of the run, s since its start. */
+  present: number | undefined;
   /** The run has ended: the live view stands still. */
   over: boolean;
   playing: boolean;
@@ -396,6 +411,16 @@ export interface Clock {
   /** Whether this page may command; absent if the program takes no commands. */
   control: boolean | undefined;
   version: string;
+  /** Differs from that of any other run; empty: unknown. */
+  run: string;
+  /** Number of the frame; absent: the feed does not tell its delay. */
+  frame: number | undefined;
+  /** s of the program's clock: all that an operator acts on, and all samples and maps, are complete up to then. */
+  made: number | undefined;
+  maps: number | undefined;
+  /** The last frame whose answer came, and when it came. */
+  seen: number;
+  seenAt: number;
 }
 export function readClock(json: unknown): Clock | null {
   if (!isObject(json)) return null;
@@ -407,11 +432,18 @@ export function readClock(json: unknown): Clock | null {
     end: number(json.end_s) ?? now,
     live: flag(json.live),
     hasNow: flag(json.live) || number(json.live_s) !== undefined,
+    present: number(json.live_s),
     over: flag(json.over),
     playing: flag(json.playing),
     speed: number(json.speed) ?? 1,
     control: typeof json.control === 'boolean' ? json.control : undefined,
     version: typeof json.version === 'number' ? String(json.version) : words(json.version),
+    run: words(json.run),
+    frame: number(json.frame),
+    made: number(json.made_s),
+    maps: number(json.maps_s),
+    seen: number(json.seen) ?? -1,
+    seenAt: number(json.seen_s) ?? NaN,
   };
 }
 

@@ -1,5 +1,6 @@
 /** Keyboard shortcuts of the page. Keys that are typed into a field have no other effect. */
 import { byId } from './dom';
+import { KeptChoices } from './kept';
 import { views, type Layout } from './layout';
 import type { PlanView } from './plan/plan';
 import type { SpaceView } from './space/space';
@@ -18,17 +19,34 @@ export interface Parts {
 
 export function listenToKeys(parts: Parts): void {
   const help = byId<HTMLDialogElement>('help');
+  const keys = byId<HTMLInputElement>('keys-on');
+  new KeptChoices('isobath-keys', [keys]);
   byId('help-button').addEventListener('click', () => help.showModal());
   byId('help-close').addEventListener('click', () => help.close());
   help.addEventListener('click', (event) => event.target === help && help.close());
   window.addEventListener('keydown', (event) => {
     const target = event.target as HTMLElement;
-    if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]')) return;
     if (target.matches('input:not([type=checkbox]), select, textarea')) return;
+    if (moveAmongTabs(event, target)) return event.preventDefault();
     // The space key presses a focused button, as everywhere.
     if (event.key === ' ' && target.matches('button, summary, input')) return;
+    if (!keys.checked && event.key.length === 1 && event.key !== ' ') return;
     if (act(event, parts, help)) event.preventDefault();
   });
+}
+
+/** Arrow keys, Home and End on a tab go to another one, as in every list of tabs; they never seek in time. */
+function moveAmongTabs({ key }: KeyboardEvent, target: HTMLElement): boolean {
+  const list = target.closest('[role=tab]')?.closest('[role=tablist]');
+  if (!list || !['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'Home', 'End'].includes(key)) return false;
+  const tabs = [...list.querySelectorAll<HTMLElement>('[role=tab]')];
+  const at = tabs.indexOf(target.closest<HTMLElement>('[role=tab]')!);
+  const step = key === 'ArrowRight' ? 1 : key === 'ArrowLeft' ? -1 : 0;
+  const to = key === 'Home' ? 0 : key === 'End' ? tabs.length - 1 : (at + step + tabs.length) % tabs.length;
+  tabs[to]?.focus();
+  if (to !== at) tabs[to]?.click();
+  return true;
 }
 
 function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boolean {

@@ -43,7 +43,7 @@ export class Layout {
       const phone = button.closest('#tabs') !== null;
       const on = phone ? name === this.view : name === this.upper || name === this.lower;
       button.setAttribute('aria-selected', String(on));
-      button.tabIndex = 0;
+      button.tabIndex = on ? 0 : -1;
     }
     this.changed();
   }

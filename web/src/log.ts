@@ -38,6 +38,7 @@ export class DecisionLog implements View {
 
   frame(): void {
     const { model, selected } = this.shared;
+    this.announce();
     say(byId('log-count'), model.decisions.length > 0 ? ` ${units.count(model.decisions.length)}` : '');
     if (this.list.clientWidth === 0) return;
     const canSeek = (model.clock?.end ?? 0) > (model.clock?.start ?? 0);
@@ -57,6 +58,18 @@ export class DecisionLog implements View {
     byId('log-none').hidden = shown.length > 0;
     say(byId('log-none'), model.decisions.length > 0 ? 'No decision matches.' : 'No decisions yet.');
   }
+
+  /** Tells a screen reader the newest decision of a live view, not those that were there before. */
+  private announce(): void {
+    const { clock, decisions } = this.shared.model;
+    const newest = decisions.at(-1);
+    if (clock?.live !== true || !newest) return;
+    if (this.told !== null && newest.number > this.told) {
+      say(byId('announce'), `${newest.agent}: ${newest.what}. ${newest.reason}`);
+    }
+    this.told = newest.number;
+  }
+  private told: number | null = null;
 
   /** A row keeps its element, so that a press on it ends on it. */
   private row(decision: Decision, canSeek: boolean): HTMLElement {

@@ -1,4 +1,5 @@
 /** Puts the page together. Records change the model; each frame draws the changes. */
+import { Alarms } from './alarms';
 import { Commands } from './commands';
 import { Connection, toast } from './connection';
 import { byId, mark, say } from './dom';
@@ -8,11 +9,13 @@ import { HealthView } from './health';
 import { Instruments } from './instruments';
 import { listenToKeys } from './keyboard';
 import { Layout } from './layout';
+import { Link } from './link';
 import { DecisionLog } from './log';
 import { Marks } from './marks';
 import { Model } from './model';
 import { ObstacleList } from './obstacle_list';
 import { PlanView } from './plan/plan';
+import { placeOf, Saving } from './saving';
 import { SonarView } from './sonar/sonar';
 import { SpaceView } from './space/space';
 import './style.css';
@@ -26,6 +29,7 @@ const model = new Model();
 const feed = feedOf(document);
 let waiting = false;
 let broken = 0;
+let shownRun = '';
 let adopted: Marks | null = null;
 const redraw = (): void => {
   if (waiting) return;
@@ -33,9 +37,14 @@ const redraw = (): void => {
   requestAnimationFrame(draw);
 };
 const theme = new Theme(redraw);
+const link = new Link((request) => feed.ask(request), {
+  now: () => performance.now(),
+  later: (ms, then) => void setTimeout(then, ms),
+});
 const shared: Shared = {
   model,
   theme,
+  link,
   selected: null,
   redraw,
   ask(request) {
@@ -78,6 +87,7 @@ const timeline = new Timeline(shared, marks);
 const log = new DecisionLog(shared, (to) => timeline.seek(to));
 const all: View[] = [
   new Instruments(shared),
+  new Alarms(shared),
   plan,
   sonar,
   space,
@@ -90,6 +100,8 @@ const all: View[] = [
 const connection = new Connection(shared, feed);
 listenToKeys({ shared, layout, plan, space, timeline, theme });
 settleInFrame();
+new Saving(shared, plan);
+const linked = placeOf(document.location.hash);
 
 const switcher = byId<HTMLButtonElement>('theme');
 const nameTheme = (): void => {
@@ -97,6 +109,23 @@ const nameTheme = (): void => {
   switcher.setAttribute('aria-label', `Switch to ${theme.name === 'day' ? 'night' : 'day'} colours`);
 };
 switcher.addEventListener('click', () => theme.toggle());
+
+/** Nothing that was chosen in one run is kept in another, as after a restart of the program. */
+function begin(run: string): void {
+  if (model.clock && linked.t !== undefined) {
+    const { t } = linked;
+    linked.t = undefined;
+    plan.showSection(linked);
+    if (t < model.clock.end - 1) timeline.seek(t);
+  }
+  if (run === '' || run === shownRun) return;
+  if (shownRun !== '') {
+    shared.selected = shared.pointedDecision = null;
+    shared.obstacle = shared.hovered = null;
+    plan.begin();
+  }
+  shownRun = run;
+}
 
 function draw(now: number): void {
   waiting = false;
@@ -109,6 +138,7 @@ function draw(now: number): void {
       if (broken++ < 10) console.error(error);
     }
   }
+  link.drew();
   connection.drew();
   mark(document.body, 'behind', String(all.some(({ behind }) => behind === true)));
 }
@@ -116,10 +146,15 @@ function draw(now: number): void {
 feed.start(
   (records) => {
     model.take(records);
+    begin(model.clock?.run ?? '');
+    link.applied(model.clock);
     if (feed.marks && feed.marks !== adopted) marks.adopt((adopted = feed.marks));
     redraw();
   },
-  () => connection.tick(performance.now()),
+  () => {
+    if (feed.state.is === 'connecting') link.forget();
+    connection.tick(performance.now());
+  },
 );
 window.setInterval(() => {
   connection.tick(performance.now());

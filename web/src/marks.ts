@@ -1,6 +1,7 @@
 /**
  * Marks: the decisions and alarms on the time line. They are kept when the model forgets, as it does at each jump in
- * time, so that later decisions of a run stay visible. Another run clears them.
+ * time, so that later decisions of a run stay visible. Another run clears them: the program tells a new one by its name,
+ * because simulated runs all start at the same time.
  */
 import type { Mark } from './items';
 import { Model } from './model';
@@ -15,6 +16,7 @@ export class Marks {
   readonly all = new Map<string, Mark>();
   revision = 0;
   private start = NaN;
+  private run = '';
   private seen = '';
   private raised = new Set<string>();
 
@@ -23,13 +25,15 @@ export class Marks {
   update(): void {
     const { model } = this;
     const { scene, health, decisions, revision } = model;
-    const seen = `${revision[Kind.scene]} ${revision[Kind.decision]} ${revision[Kind.health]}`;
+    const run = model.clock?.run ?? '';
+    const seen = `${run} ${revision[Kind.scene]} ${revision[Kind.decision]} ${revision[Kind.health]}`;
     if (!scene || seen === this.seen) return;
     this.seen = seen;
-    if (scene.start !== this.start) {
+    if (scene.start !== this.start || (run !== '' && run !== this.run)) {
       this.all.clear();
       this.raised.clear();
       this.start = scene.start;
+      this.run = run;
       ++this.revision;
     }
     for (const mark of scene.marks) this.put(`told ${mark.at} ${mark.what}`, mark);

@@ -9,6 +9,7 @@ import * as items from './items';
 import * as protocol from './protocol';
 import { Kind } from './protocol';
 import { EchoTrail } from './echo_trail';
+import { PackedRecords } from './packed_records';
 import { readLevels, type Level } from './levels';
 import { readPartner, type Partner } from './partners';
 import { readSounds, type Sound } from './sounds';
@@ -74,10 +75,12 @@ export class Model {
   private stamp = 0;
   /** By sonar: echoes that came before the description of their sonar, as happens in a complete set. */
   private readonly waiting = new Map<number, Waiting[]>();
+  private readonly packed = new PackedRecords();
 
   /** Applies a message. */
   take(bytes: Uint8Array): void {
     const read = protocol.readRecords(bytes, (record) => {
+      if (record.kind === Kind.packed) return this.unpack(record);
       ++this.records;
       if (record.forget) this.forget();
       if (record.forgetKind && record.kind === Kind.voxels) this.dropVoxels();
@@ -89,6 +92,13 @@ export class Model {
       }
     });
     if (read < bytes.length) this.count('message cut short');
+  }
+
+  private unpack({ low, payload }: protocol.RecordView): void {
+    const slice = protocol.readSlice(payload);
+    const records = slice ? this.packed.take(low, slice) : undefined;
+    if (records === undefined) this.count('packed records');
+    else if (records) this.take(records);
   }
 
   forget(): void {
@@ -185,6 +195,8 @@ export class Model {
         return this.keep(items.readClock(protocol.readJson(payload)), (clock) => (this.clock = clock));
       case Kind.refusal:
         return this.keep(items.readRefusal(protocol.readJson(payload)), (refusal) => (this.refusal = refusal));
+      case Kind.packed:
+        return false;
     }
   }
 
@@ -283,6 +295,8 @@ export class Model {
       case Kind.refusal:
         this.refusal = null;
         break;
+      case Kind.packed:
+        return false;
     }
     return true;
   }

@@ -1,10 +1,11 @@
 /**
  * ObstacleList: the obstacles as people count them, nearest first, each with number, kind, extent, distance and bearing
- * from the vehicle. Pointing at one marks it on the chart; a selected one is shown there.
+ * from the vehicle, or as a table. Pointing at one marks it on the chart; a selected one is shown there.
  */
 import { arrange, byId, make, say } from './dom';
 import { distanceTo, history, nameOf, sizeOf, tracked, type Tracked } from './plan/obstacle_tracks';
 import { Kind, type Point } from './protocol';
+import { obstacleCells } from './saving';
 import * as units from './units';
 import type { Shared, View } from './view';
 
@@ -40,12 +41,26 @@ export class ObstacleList implements View {
   private readonly list = byId('obstacle-list');
   private drawn = '';
 
-  constructor(private readonly shared: Shared) {}
+  private readonly table = byId('obstacle-table');
+  private readonly asTable = byId<HTMLButtonElement>('obstacle-as-table');
+  private tabled = '';
+
+  constructor(private readonly shared: Shared) {
+    this.asTable.addEventListener('click', () => {
+      const on = this.table.hidden;
+      this.table.hidden = !on;
+      this.list.hidden = on;
+      this.asTable.setAttribute('aria-pressed', String(on));
+      this.tabled = this.drawn = '';
+      shared.redraw();
+    });
+  }
 
   frame(): void {
     const { model, obstacle, hovered } = this.shared;
     const all = tracked(model);
     say(byId('obstacle-count'), all.length > 0 ? ` ${units.count(all.length)}` : '');
+    if (!this.table.hidden) return this.fillTable();
     if (this.list.clientWidth === 0) return;
     say(byId('obstacle-sum'), all.length > 0 ? countOf(all) : 'No obstacles.');
     const { vehicle } = model;
@@ -54,6 +69,19 @@ export class ObstacleList implements View {
     if (look === this.drawn) return;
     const arranged = arrange(this.list, rows.slice(0, kRows).map((row, place) => this.row(row, place)));
     if (arranged) this.drawn = look;
+  }
+
+  private fillTable(): void {
+    const { model } = this.shared;
+    const look = `${model.revision[Kind.obstacles]}`;
+    if (this.table.clientWidth === 0 || look === this.tabled) return;
+    this.tabled = look;
+    say(byId('obstacle-sum'), countOf(tracked(model)));
+    const [names = [], ...rows] = obstacleCells(model);
+    const cells = (tag: 'th' | 'td', texts: readonly string[], scope?: string) =>
+      make('tr', {}, ...texts.map((text) => make(tag, { scope }, text.replaceAll('_', ' '))));
+    this.table.querySelector('thead')!.replaceChildren(cells('th', names, 'col'));
+    this.table.querySelector('tbody')!.replaceChildren(...rows.map((row) => cells('td', row)));
   }
 
   /** The row of one obstacle, which keeps its element for as long as it is listed: a press on it ends on it. */

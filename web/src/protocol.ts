@@ -28,9 +28,10 @@ export const Kind = {
   sounds: 18,
   levels: 19,
   partner: 20,
+  packed: 21,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.partner;
+export const kLastKind = Kind.packed;
 
 export const kHead = 24;
 const kGone = 1;
@@ -330,4 +331,19 @@ function floats(p: DataView, from: number, count: number): Float32Array {
   const out = new Float32Array(count);
   for (let i = 0; i < count; ++i) out[i] = p.getFloat32(from + 4 * i, true);
   return out;
+}
+
+/** The head of a slice of packed records: its place in them, and how long they are. */
+export interface Slice {
+  offset: number;
+  total: number;
+  bytes: Uint8Array;
+}
+const kMostPacked = 1 << 26;
+
+export function readSlice(p: DataView): Slice | null {
+  if (p.byteLength < 8) return null;
+  const [offset, total] = [p.getUint32(0, true), p.getUint32(4, true)];
+  if (total > kMostPacked || offset + p.byteLength - 8 > total) return null;
+  return { offset, total, bytes: new Uint8Array(p.buffer, p.byteOffset + 8, p.byteLength - 8) };
 }

@@ -5,5 +5,6 @@ export type Request =
   | { ask: 'seek'; to_s: number }
   | { ask: 'step'; steps: number }
   | { ask: 'control'; token: string }
+  | { ask: 'seen'; frame: number }
   | { ask: 'detail'; voxels: 'all' | 'cubes' }
   | { ask: 'command'; command: 'hold' | 'resume' | 'abort' | 'acknowledge' };

@@ -1,5 +1,5 @@
 /** Timeline: the shown time within the run, the marks of decisions and alarms, and the speed of play. */
-import { byId, context, fit, mark, pixelRatio, say } from './dom';
+import { byId, context, fit, make, mark, pixelRatio, say } from './dom';
 import type { Clock } from './items';
 import type { Marks } from './marks';
 import { Kind } from './protocol';
@@ -52,7 +52,7 @@ export class Timeline implements View {
     this.marks.update();
     const resized = fit(this.canvas);
     const told = `${model.revision[Kind.clock]} ${model.revision[Kind.scene]} ${this.marks.revision}`;
-    const look = `${told} ${theme.revision} ${this.scrubbed} ${this.hovered} ${model.now.toFixed(1)}`;
+    const look = `${told} ${this.shared.link.isLive} ${theme.revision} ${this.scrubbed} ${this.hovered} ${model.now.toFixed(1)}`;
     if (look === this.drawn && !resized) return;
     this.drawn = look;
     this.tell(clock);
@@ -68,11 +68,8 @@ export class Timeline implements View {
     this.playButton.title = playing ? 'Pause (space)' : 'Play (space)';
     this.liveButton.hidden = !(clock?.hasNow ?? false);
     this.liveButton.setAttribute('aria-pressed', String(live));
-    say(this.liveButton, clock?.over ? (live ? 'AT THE END' : 'Go to the end') : live ? 'LIVE' : 'Go live');
-    const times = String(clock?.speed ?? 1);
-    if (document.activeElement !== this.speed && [...this.speed.options].some(({ value }) => value === times)) {
-      this.speed.value = times;
-    }
+    say(this.liveButton, this.liveWords(clock));
+    this.tellSpeed(clock);
     const now = this.scrubbed ?? model.now;
     say(byId('time-now'), units.elapsed(now));
     say(byId('time-end'), clock ? `of ${units.elapsed(clock.end, 0)}` : '');
@@ -83,6 +80,31 @@ export class Timeline implements View {
     this.strip.setAttribute('aria-valuemax', (clock?.end ?? now).toFixed(1));
     this.strip.setAttribute('aria-valuenow', now.toFixed(1));
     this.strip.setAttribute('aria-valuetext', `${units.elapsed(now)} since the start`);
+  }
+
+  /** The button says LIVE only while what is shown is live. */
+  private liveWords(clock: Clock | null): string {
+    const { link, model } = this.shared;
+    if (clock?.over) return clock.live ? 'AT THE END' : 'Go to the end';
+    const log = model.scene?.simulated === false;
+    if (!clock?.live) return log ? 'Go to newest' : 'Go live';
+    return log || !link.isLive ? 'NEWEST' : 'LIVE';
+  }
+
+  /** A run has its own speed, which a page cannot change; of the past and of a recording it can. */
+  private tellSpeed(clock: Clock | null): void {
+    const speed = clock?.speed ?? 1;
+    const value = String(speed);
+    this.speed.disabled = clock?.live === true && !clock.over;
+    this.speed.title = this.speed.disabled ? 'Speed of the run' : 'Speed of play';
+    const own = this.speed.querySelector<HTMLOptionElement>('[data-own]');
+    const known = [...this.speed.options].some((option) => option !== own && option.value === value);
+    if (known) own?.remove();
+    else if (own?.value !== value) {
+      own?.remove();
+      this.speed.append(make('option', { value, 'data-own': true }, speed > 0 ? `× ${Number(speed.toPrecision(3))}` : '× max'));
+    }
+    if (document.activeElement !== this.speed && this.speed.value !== value) this.speed.value = value;
   }
 
   private draw(clock: Clock | null): void {

@@ -52,6 +52,13 @@ export function elevation(radians: number | undefined | null): string {
 export function tilt(radians: number | undefined | null): string {
   return known(radians) ? `${fixed(radians / kDegree, 1)}°` : `${kUnknown}°`;
 }
+/** Roll and pitch: "3° stb, 2° up". */
+export function attitude(roll: number | undefined | null, pitch: number | undefined | null): string {
+  if (!known(roll) || !known(pitch)) return `${kUnknown}°`;
+  const side = Math.round(roll / kDegree);
+  const heel = side === 0 ? 'even' : `${Math.abs(side)}° ${side > 0 ? 'stb' : 'port'}`;
+  return `${heel}, ${elevation(pitch)}`;
+}
 export function percent(share: number | undefined | null): string {
   return known(share) ? `${fixed(share * 100, 0)} %` : `${kUnknown} %`;
 }

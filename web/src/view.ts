@@ -1,5 +1,6 @@
 /** Shared: what all views share. View: the interface of a view. */
 import type { Decision } from './items';
+import type { Link } from './link';
 import type { Model } from './model';
 import type { Request } from './request';
 import type { Theme } from './theme';
@@ -7,6 +8,7 @@ import type { Theme } from './theme';
 export interface Shared {
   model: Model;
   theme: Theme;
+  link: Link;
   ask(request: Request): void;
   /** Requests all voxels, or only their larger cubes. False: not connected. */
   wantVoxels(all: boolean): boolean;

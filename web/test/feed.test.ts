@@ -42,9 +42,9 @@ class Harbour {
   tell(bytes: Uint8Array): void {
     this.last.onmessage?.({ data: bytes.slice().buffer } as never);
   }
-  drop(): void {
+  drop(code?: number): void {
     this.last.readyState = 3;
-    this.last.onclose?.({} as never);
+    this.last.onclose?.({ code } as never);
   }
   pass(ms: number): void {
     const until = this.now + ms;
@@ -104,7 +104,15 @@ describe('the socket', () => {
     harbour.open();
     harbour.tell(new Uint8Array(24));
     harbour.drop();
-    expect(feed.state).toEqual({ is: 'lost', retry: harbour.now + 500 });
+    expect(feed.state).toEqual({ is: 'lost', retry: harbour.now + 500, full: false });
+  });
+
+  it('that the program has no place for says so, and tries again', () => {
+    const { harbour, feed } = started();
+    harbour.drop(1013);
+    expect(feed.state).toEqual({ is: 'lost', retry: harbour.now + 500, full: true });
+    harbour.pass(500);
+    expect(harbour.sockets).toHaveLength(2);
   });
 
   it('that neither opens nor fails is given up', () => {

@@ -199,6 +199,12 @@ struct MissionReport {
   MissionPhase phase = MissionPhase::kWaiting;
   std::size_t reached = 0, dropped = 0;
   std::string why;
+
+  /// Counts a point that was reached or dropped since the report.
+  void update(const PointReport& point) {
+    reached += point.kind == PointReport::Kind::kReached ? 1 : 0;
+    dropped += point.kind == PointReport::Kind::kDropped ? 1 : 0;
+  }
 };
 
 /// Executive Officer -> Pilot: follow these way-points; an empty list: hold the position.

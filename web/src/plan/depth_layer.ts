@@ -43,6 +43,14 @@ export class DepthLayer {
     return this.model.depth.size > 0;
   }
 
+  /** Opposite corners of the tiles. */
+  get corners(): [number, number][] {
+    return [...this.model.depth.values()].flatMap(({ item: { north, east, side, pixel } }): [number, number][] => [
+      [north, east],
+      [north + side * pixel, east + side * pixel],
+    ]);
+  }
+
   draw(pen: Pen, revision: number): void {
     if (revision !== this.seen) this.measure(revision);
     const look = `${this.shows} ${this.deepest} ${this.theme.name}`;

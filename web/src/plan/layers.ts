@@ -24,6 +24,17 @@ export const layerNames = {
 } as const;
 export type LayerName = keyof typeof layerNames;
 
+/** What a skipper steers by. While one of them has content and is hidden, the chart says so. */
+const kSafety: Partial<Record<LayerName, string>> = {
+  obstacles: 'obstacles',
+  fence: 'fence',
+  land: 'land',
+  depth: 'depths',
+  way: 'route',
+  vehicle: 'vehicle',
+  partners: 'other vehicles',
+};
+
 const kKey = 'isobath-layers';
 
 export class Layers {
@@ -64,6 +75,18 @@ export class Layers {
 
   toggle(name: LayerName): void {
     this.inputs.get(name)?.click();
+  }
+
+  /** The layers of kSafety that have content and are hidden. */
+  get hiddenSafety(): string[] {
+    return this.safety().map(([, words]) => words);
+  }
+  showSafety(): void {
+    for (const [name] of this.safety()) this.toggle(name);
+  }
+  private safety(): [LayerName, string][] {
+    const all = Object.entries(kSafety) as [LayerName, string][];
+    return all.filter(([name]) => !this.shows(name) && this.rows.get(name)?.hidden === false);
   }
 
   paint(paint: Paint): void {

@@ -27,8 +27,11 @@ import { DepthScale } from './depth_scale';
 const kTouch = 14;
 /** m: obstacles within this distance of the ruler are told. */
 const kBesideRuler = 20;
-/** m: where less than this is to be shown, as of a run that has just begun, so much more is shown on each side. */
+/** m: where less than this is to be shown, as of a run that has just begun, so much more is shown on each side, unless the
+ * range of a sonar is known. */
 const kBegun = 30;
+/** m: a sonar that reaches farther is shown up to here. */
+const kFar = 300;
 
 export class PlanView implements View, Gestured {
   private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
@@ -52,10 +55,13 @@ export class PlanView implements View, Gestured {
   private shown = '';
   private painted = -1;
   private placed = false;
+  /** The chart was framed before the range of a sonar was known, and nobody has moved it since. */
+  private guessed = false;
 
   constructor(private readonly shared: Shared) {
     this.depth = new DepthLayer(shared.model, shared.theme);
-    this.layers = new Layers(byId('plan-layers'), () => shared.redraw());
+    this.layers = new Layers(byId('plan-layers'), () => this.touch());
+    byId('plan-hidden').addEventListener('click', () => this.layers.showSafety());
     this.depthScale = new DepthScale(byId('depth-scale'));
     listen(this.canvas, this);
     this.followButton.addEventListener('click', () => this.follow(!this.followed));
@@ -108,8 +114,15 @@ export class PlanView implements View, Gestured {
     if (!this.placed && (vehicle || scene) && this.camera.width > 50) {
       this.placed = true;
       this.showAll();
+      this.guessed = this.range === 0 && (scene?.mission.length ?? 0) + (scene?.fence.length ?? 0) === 0;
       const over = clock !== null && !clock.live && !clock.playing && clock.now >= clock.end;
       if (vehicle && !over) this.follow(true);
+    }
+    if (this.guessed && this.range > 0) {
+      this.guessed = false;
+      const { followed } = this;
+      this.showAll();
+      this.follow(followed);
     }
     if (vehicle && this.followed) {
       this.camera.north = vehicle.north;
@@ -167,6 +180,9 @@ export class PlanView implements View, Gestured {
     drawGridNumbers(pen);
     drawScaleBar(pen);
     drawNorthArrow(pen, 34, 52);
+    const hidden = layers.hiddenSafety;
+    byId('plan-hidden').hidden = hidden.length === 0;
+    say(byId('plan-hidden'), `▲ Hidden: ${hidden.join(', ')}. Show`);
     const datum = scene?.datum ?? '';
     this.depthScale.show(theme.paint, this.depth, datum, this.depth.any && layers.shows('depth'));
   }
@@ -237,16 +253,19 @@ export class PlanView implements View, Gestured {
 
   drag(dx: number, dy: number): void {
     this.follow(false);
+    this.guessed = false;
     this.camera.pan(dx, dy);
     this.touch();
   }
   zoom(factor: number, x: number, y: number): void {
+    this.guessed = false;
     // In follow mode the vehicle stays at the centre.
     if (this.followed) this.camera.zoom(factor);
     else this.camera.zoom(factor, x, y);
     this.touch();
   }
   zoomBy(factor: number): void {
+    this.guessed = false;
     this.camera.zoom(factor);
     this.touch();
   }
@@ -307,7 +326,33 @@ export class PlanView implements View, Gestured {
     this.touch();
   }
 
-  /** Shows the fence, the mission, the vehicle and its track. */
+  /** The section that is shown. */
+  get section(): { north: number; east: number; scale: number } {
+    const { north, east, scale } = this.camera;
+    return { north, east, scale };
+  }
+  showSection({ n, e, s }: { n: number | undefined; e: number | undefined; s: number | undefined }): void {
+    if (n === undefined || e === undefined || s === undefined) return;
+    this.placed = true;
+    this.follow(false);
+    [this.camera.north, this.camera.east] = [n, e];
+    this.camera.zoom(this.camera.scale / Math.max(Camera.finest, s));
+    this.touch();
+  }
+
+  /** A new run: the chart is framed again. */
+  begin(): void {
+    this.placed = this.guessed = false;
+    this.picked = null;
+    this.measure(false);
+  }
+
+  /** The range of the farthest-reaching sonar, m; 0: none is known. */
+  private get range(): number {
+    return Math.min(kFar, Math.max(0, ...[...this.shared.model.sonars.values()].map(({ reach }) => reach)));
+  }
+
+  /** Shows the fence, the mission, the vehicle and its track; without a mission, as far as the sonar looks, or the map. */
   showAll(): void {
     const { scene, vehicle, track } = this.shared.model;
     const places: (readonly [number, number])[] = [
@@ -318,12 +363,16 @@ export class PlanView implements View, Gestured {
     for (const { places: piece } of track.values()) {
       for (let i = 0; i + 3 < piece.length; i += 4) places.push([piece[i + 1]!, piece[i + 2]!]);
     }
+    if (places.length < 2 && this.range === 0) places.push(...this.depth.corners);
     if (places.length === 0) return;
     const range = (k: 0 | 1): [number, number] =>
       places.reduce<[number, number]>(([a, b], p) => [Math.min(a, p[k]), Math.max(b, p[k])], [Infinity, -Infinity]);
     this.follow(false);
     const [north, east] = [range(0), range(1)];
-    const least = Math.max(north[1] - north[0], east[1] - east[0]) < kBegun ? kBegun : 0;
+    const extent = Math.max(north[1] - north[0], east[1] - east[0]);
+    const planned = (scene?.mission.length ?? 0) + (scene?.fence.length ?? 0) > 0;
+    const margin = planned ? kBegun : this.range || kBegun;
+    const least = extent < margin ? margin : 0;
     if (least > 0) this.camera.show([north[0] - least, north[1] + least], [east[0] - least, east[1] + least]);
     else this.camera.show(north, east, 0.08);
     this.touch();

@@ -74,13 +74,27 @@ export class SonarView implements View {
     this.list();
     const image = model.sonars.get(this.chosen);
     this.none.hidden = image !== undefined;
+    byId('sonar-scale').hidden = this.which.hidden = !image;
     const resized = fit(this.canvas);
-    if (!image || this.canvas.clientWidth < 20) return;
+    if (!image) return this.clear();
+    if (this.canvas.clientWidth < 20) return;
     const look = `${this.chosen} ${image.revision} ${theme.revision} ${this.changes} ${this.form}`;
     if (look === this.drawn && !resized) return this.tellAge(image);
     this.drawn = look;
     this.draw(image);
     this.tellAge(image);
+  }
+
+  /** Without a sonar nothing of an earlier moment stays. */
+  private clear(): void {
+    if (this.drawn === '') return;
+    this.drawn = '';
+    this.held = null;
+    context(this.canvas).clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.profile.clear();
+    for (const id of ['sonar-readout', 'sonar-age', 'sonar-threshold-text']) say(byId(id), '');
+    mark(byId('sonar-age'), 'stale', 'false');
+    mark(this.canvas, 'sonar', '');
   }
 
   private list(): void {
