@@ -8,8 +8,8 @@
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
+#include <isobath/cameras/pair_source.hpp>
 #include <isobath/io/mcap/native_log.hpp>
-#include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/run/map_from_prior.hpp>
 #include <isobath/world/map_raster.hpp>
@@ -93,12 +93,13 @@ std::string ending_of(const std::filesystem::path& path) { return path.extension
 
 /// Writes a log as a native log, with every bin.
 int write_log(const ConvertOptions& options) {
-  InputConfig input = options.config.read().input;
+  const Configuration configuration = options.config.read();
+  InputConfig input = configuration.input;
   input.max_bins = 0;  // the converted log keeps every bin
   std::vector<std::filesystem::path> inputs = files_of_input(options.input);
   inputs.emplace_back(input.navigation);
   check_output_is_no_input(options.output, inputs, "OUT");
-  const auto source = open_source(options.input, input);
+  const auto source = open_input(options.input, input, configuration.cameras);
   make_parent(options.output);
   PendingFile pending(options.output);
   NativeLogWriter log(pending.beside());

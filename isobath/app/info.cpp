@@ -9,7 +9,7 @@
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
-#include <isobath/io/open_source.hpp>
+#include <isobath/cameras/pair_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/studies/inspection.hpp>
@@ -253,9 +253,10 @@ int describe_map(const InfoOptions& options) {
 }
 
 int describe_log(const InfoOptions& options) {
-  InputConfig input = options.config.read().input;
+  const Configuration configuration = options.config.read();
+  InputConfig input = configuration.input;
   input.max_bins = 0;  // describe the bins as they are in the file
-  const auto source = open_source(options.input, input);
+  const auto source = open_input(options.input, input, configuration.cameras);
   ProgressLine progress;
   const Inspection facts = inspect(*source, [&](std::uint64_t events) {
     progress.show(source->report().bytes_read, source->report().bytes_total, events);

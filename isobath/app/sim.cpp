@@ -10,6 +10,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
+#include <isobath/io/frames/pair_writer.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/report/scene_picture.hpp>
 #include <isobath/scenario/scenario.hpp>
@@ -22,7 +23,7 @@ namespace isobath::app {
 namespace {
 
 struct SimOptions {
-  std::filesystem::path scene, out, picture;
+  std::filesystem::path scene, out, picture, pairs;
   SimulationConfig simulation;
   int threads = 2;
   std::string speed = "max";
@@ -30,12 +31,13 @@ struct SimOptions {
 };
 
 struct Counts {
-  std::uint64_t pings = 0, ranges = 0, navigation = 0, health = 0, bearings = 0;
+  std::uint64_t pings = 0, ranges = 0, navigation = 0, health = 0, bearings = 0, pairs = 0;
 };
 
 using Clock = std::chrono::steady_clock;  // for pace and timings only; no result depends on it
 
-void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::vector<Eigen::Vector2d>& track) {
+void write(const SimulatedEvent& event, NativeLogWriter* log, PairFolderWriter* pairs, Counts& n,
+           std::vector<Eigen::Vector2d>& track) {
   if (const auto* motion = std::get_if<TrueMotion>(&event)) {
     track.emplace_back(motion->state.X_WB.translation.head<2>());
     if (log) log->write(*motion);
@@ -50,13 +52,32 @@ void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::ve
   } else if (const auto* fix = std::get_if<Navigation>(&event)) {
     ++n.navigation;
     if (log) log->write(*fix);
+    if (pairs) pairs->write(*fix);
   } else if (const auto* health = std::get_if<Health>(&event)) {
     ++n.health;
     if (log) log->write(*health);
   } else if (const auto* heard = std::get_if<PassiveBearing>(&event)) {
     ++n.bearings;
     if (log) log->write(*heard);
+  } else if (const auto* pair = std::get_if<CameraPair>(&event)) {
+    ++n.pairs;
+    if (pairs && pair->rig == 0) pairs->write(*pair);
   }
+}
+
+/// The folder for the pairs of the first cameras of the scene.
+std::unique_ptr<PairFolderWriter> open_pairs(const SimOptions& options, const Scene& scene) {
+  if (options.pairs.empty()) return nullptr;
+  if (scene.cameras.empty() || !scene.cameras.front().on)
+    throw Error("the scene has no cameras", {.file = scene.file}, "a [[camera]]", "--pairs writes what they see");
+  check_output_folder(options.pairs, "--pairs");
+  const CameraPairConfig& camera = scene.cameras.front();
+  PairRig rig;
+  rig.position = camera.position;
+  rig.heading = camera.heading;
+  rig.pitch = camera.pitch;
+  rig.roll = camera.roll;
+  return std::make_unique<PairFolderWriter>(options.pairs, std::move(rig), text_of_file(camera.calibration));
 }
 
 /// Opens the log and attaches the scene file to it.
@@ -89,13 +110,14 @@ int act(const SimOptions& options) {
   Simulator simulator(open_scene(options.scene), options.simulation, options.threads);
   std::optional<PendingFile> pending;  // of the log
   const auto log = open_log(options, simulator, pending);
+  const auto pairs = open_pairs(options, simulator.scene());
   Counts n;
   std::vector<Eigen::Vector2d> track;
   ProgressLine progress;
   const auto start = Clock::now();
   while (const auto event = simulator.next()) {
     if (pace > 0) std::this_thread::sleep_until(start + std::chrono::duration<double>(simulator.now_s() / pace));
-    write(*event, log.get(), n, track);
+    write(*event, log.get(), pairs.get(), n, track);
     progress.show(static_cast<std::uint64_t>(simulator.now_s() * 1000),
                   static_cast<std::uint64_t>(simulator.duration_s() * 1000), n.pings);
   }
@@ -103,6 +125,7 @@ int act(const SimOptions& options) {
     log->close();
     pending->complete();
   }
+  if (pairs) pairs->close();
   progress.clear();
   if (!options.picture.empty()) {
     make_parent(options.picture);
@@ -119,10 +142,12 @@ int act(const SimOptions& options) {
                                   {"ranges", n.ranges},
                                   {"navigation", n.navigation},
                                   {"health", n.health},
-                                  {"bearings", n.bearings}}},
+                                  {"bearings", n.bearings},
+                                  {"pairs", n.pairs}}},
                                 {"rates", {{"wall_s", wall}, {"times_real_time", times}}}};
     std::vector<std::filesystem::path> files;
     if (log) files.push_back(options.out);
+    if (pairs) files.push_back(options.pairs);
     if (!options.picture.empty()) files.push_back(options.picture);
     add_files(json, "", files);
     print_json(json);
@@ -132,6 +157,10 @@ int act(const SimOptions& options) {
              printable_text(simulator.scene().about.title), simulator.seed(), n.pings, n.ranges, n.navigation,
              simulator.duration_s(), wall, times);
   if (log) fmt::print("written to {}; isobath run {} replays it\n", options.out.string(), options.out.string());
+  if (pairs) {
+    fmt::print("{} pairs of pictures written to {}; isobath run {} maps what they show\n", pairs->pairs(),
+               options.pairs.string(), options.pairs.string());
+  }
   return kSuccess;
 }
 
@@ -145,6 +174,10 @@ Action add_sim(CLI::App& program) {
   command->add_option("--out", options->out, "Log to write (.mcap)")
       ->type_name("FILE")
       ->check(writes_file())
+      ->default_str("none")
+      ->group("Output");
+  command->add_option("--pairs", options->pairs, "Folder for the pictures of the scene's cameras, as an input of run")
+      ->type_name("FOLDER")
       ->default_str("none")
       ->group("Output");
   command->add_option("--picture", options->picture, "Picture of the scene from above with the vehicle's track (.png)")
@@ -174,6 +207,7 @@ Action add_sim(CLI::App& program) {
       ->group("Simulation");
   add_example(*command, "sim scenarios/bridge.toml --out bridge.mcap --seed 2");
   add_example(*command, "sim --duration 60 --picture scene.png");
+  add_example(*command, "sim scenarios/cameras/survey_by_cameras.toml --pairs out/pairs");
   add_example(*command, "sim --format > keys.toml");
   return [options] { return act(*options); };
 }

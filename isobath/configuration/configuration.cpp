@@ -7,6 +7,7 @@ namespace isobath {
 std::vector<Section> sections(Configuration& c) {
   std::vector<Section> all{
       {"input", "The sonar and its mounting, where logs do not say.", fields(c.input)},
+      {"cameras", "How pairs of pictures become ranges, and carry the position.", fields(c.cameras)},
       {"gate", "Which events the pipeline rejects.", fields(c.gate)},
       {"poses", "How the pose of a ping's transmit time is found.", fields(c.poses)},
       {"sensor", "Calibration files of the sonar.", fields(c.sensor)},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <isobath/base/config.hpp>
+#include <isobath/cameras/camera_rig.hpp>
 #include <isobath/configuration/recorder_config.hpp>
 #include <isobath/configuration/report_config.hpp>
 #include <isobath/io/input/input_config.hpp>
@@ -14,10 +15,11 @@
 
 namespace isobath {
 
-/// What runs on a vehicle has its settings in OnboardConfiguration; the others are those of input, simulator, recorder,
-/// report and calibration.
+/// What runs on a vehicle has its settings in OnboardConfiguration; the others are those of input, cameras, simulator,
+/// recorder, report and calibration.
 struct Configuration : OnboardConfiguration {
   InputConfig input;
+  CamerasConfig cameras;
   CalibrationConfig calibration;
   HistogramConfig histogram;
   SimulationConfig simulation;

@@ -244,7 +244,8 @@ class FixesOnly final : public Source {
   std::unique_ptr<Source> source_;
 };
 
-/// The fixes of the file that input.navigation names: a table of poses, or another log.
+}  // namespace
+
 std::unique_ptr<Source> open_navigation(const InputConfig& config) {
   const auto is_log = [](Bytes head) { return !looks_like_text(head) || looks_like_nmea(head); };
   if (!holds_format(config.navigation, is_log)) return open_pose_track(config.navigation);
@@ -252,8 +253,6 @@ std::unique_ptr<Source> open_navigation(const InputConfig& config) {
   own.navigation.clear();
   return std::make_unique<FixesOnly>(open_source(config.navigation, own));
 }
-
-}  // namespace
 
 std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& config) {
   std::error_code ignored;  // opening reports inputs that cannot be examined

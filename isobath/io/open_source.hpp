@@ -13,6 +13,9 @@ namespace isobath {
 /// is reported, not thrown.
 std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config = {});
 
+/// The fixes of the file that InputConfig::navigation names: a table of poses, or another log. Throws Error.
+std::unique_ptr<Source> open_navigation(const InputConfig& config);
+
 /// Poses to compare with those of the log: of the file that InputConfig::reference names, else of the log's other
 /// track; null: there are none.
 std::unique_ptr<Source> open_reference(const std::filesystem::path& input, const InputConfig& config);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/messages/group_words.hpp>
@@ -31,6 +32,27 @@ void MissionLog::note(const Envelope& envelope) {
   if (frame && frame->way == LinkFrame::Way::kToGroup) group_frames.push_back(frame->bytes);
 }
 
+namespace {
+
+/// Whether a swath shows what stands in the water, as a 3-D sonar or a pair of cameras does; an echo sounder shows the
+/// bottom.
+bool looks_around(const Swath& swath) {
+  const auto in_water = [](const Sounding& s) { return s.kind == Sounding::Kind::kWater; };
+  return swath.frame == Swath::Frame::kBody && check(swath) == SwathFault::kNone &&
+         std::ranges::any_of(swath.soundings, in_water);
+}
+
+/// What the Safety Officer watches of a sensor that decides its echoes itself: that it speaks, and not always the same.
+SonarHealthSample sample_of(const Swath& swath) {
+  SonarHealthSample look;
+  look.time = swath.time;
+  look.sonar = "soundings";
+  for (const Sounding& s : swath.soundings) look.digest = 31 * look.digest + std::bit_cast<std::uint32_t>(s.range_m);
+  return look;
+}
+
+}  // namespace
+
 AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast)
     : plan_(std::move(plan)), world_(std::move(chart)), echo_contrast_(echo_contrast) {}
 
@@ -43,6 +65,13 @@ void AgentsHelm::on_event(const Event& event) {
   if (const auto* fix = std::get_if<Navigation>(&event)) on_fix(*fix);
   if (const auto* range = std::get_if<RangeReading>(&event)) on_range_arrival(*range);
   if (const auto* ping = std::get_if<Ping>(&event)) on_ping_arrival(*ping);
+  if (const auto* swath = std::get_if<Swath>(&event); swath && looks_around(*swath)) {
+    SonarHealthSample look = sample_of(*swath);
+    look.time += clock_.offset();
+    executor_->on_message(std::move(look), now());
+    ++heard_;  // its echoes are decided
+    ++decided_;
+  }
   if (const auto* health = std::get_if<Health>(&event)) on_health(*health);
   if (const auto* frame = std::get_if<OperatorFrame>(&event)) on_frame(*frame);
 }

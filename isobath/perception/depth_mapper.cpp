@@ -295,7 +295,7 @@ void DepthMapper::update(const Swath& swath, const Pose& X_WB, double sigma_m) {
     const Vector3d ray = look.p - X_WF.translation;
     look.u = ray.norm() > 0 ? Vector3d(ray.normalized()) : Vector3d::UnitZ();
     look.range_m = static_cast<double>(s.range_m);
-    look.depth_sigma_m = static_cast<double>(s.sigma_m);
+    look.depth_sigma_m = static_cast<double>(s.sigma_m > 0 ? s.sigma_m : s.sigma_range_m);
     w.use(look);
   }
 }

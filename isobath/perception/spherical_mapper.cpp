@@ -149,7 +149,7 @@ void SphericalMapper::add(const SphericalLook& look) {
   const Vector3d end_T = grid_.to_table(look.from + reach * look.axis);
   const double range = end_T.norm();
   if (!(range > 0 && std::isfinite(range))) return;
-  const double sigma = std::max(config_.sigma_m, config_.sigma_share * reach);
+  const double sigma = std::max({config_.sigma_m, config_.sigma_share * reach, look.sigma_m});
   const ReadingGaussian reading{end_T / range, range, sigma, look.width.radians() / kWidthOverSigma};
   const auto clear = [&](double end) {
     return ClearViews::Stretch{look.told.from_m,

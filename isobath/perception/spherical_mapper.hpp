@@ -52,6 +52,7 @@ struct SphericalLook {
   std::optional<double> range_m;  ///< empty: no echo
   double max_range_m = 0;
   Time time{};
+  double sigma_m = 0;  ///< standard deviation of the range, where it is stated and greater than the configured one
   /// The ranges between which the beam tells whether the water is clear.
   ClearViews::Stretch told{.to_m = std::numeric_limits<double>::infinity()};
 };

@@ -67,6 +67,47 @@ std::optional<NavigationError> navigation_error(const MissionOutcome& outcome) {
   return error;
 }
 
+namespace {
+
+/// How well the vehicle truly held a point at which it was to stay (ledger S7-15): its distance from where it was when
+/// the stay began.
+struct HeldPoint {
+  std::size_t point = 0;
+  double largest_m = 0, rms_m = 0;
+};
+
+/// One for each point with a stay that was reached, in order.
+std::vector<HeldPoint> held_points(const MissionOutcome& outcome) {
+  constexpr double kReached_m = 3;
+  std::vector<HeldPoint> held;
+  const std::vector<MissionPoint>& points = outcome.plan.points;
+  auto at = outcome.believed.begin();
+  for (std::size_t k = 0; k < points.size() && outcome.truth; ++k) {
+    at = std::find_if(at, outcome.believed.end(), [&](const BelievedPlace& place) {
+      return (place.north_east - points[k].north_east).norm() <= kReached_m;
+    });
+    if (at == outcome.believed.end()) break;
+    const auto begun = true_pose_at(outcome.truth->track, at->time);
+    if (!(points[k].hold_s > 0) || !begun) continue;
+    HeldPoint one{k};
+    std::size_t instants = 0;
+    for (const TrueMotion& motion : outcome.truth->track) {
+      const double after_s = to_seconds(motion.time - at->time);
+      if (after_s < 0 || after_s > points[k].hold_s) continue;
+      const double off = (motion.state.X_WB.translation - begun->translation).head<2>().norm();
+      one.largest_m = std::max(one.largest_m, off);
+      one.rms_m += off * off;
+      ++instants;
+    }
+    if (instants == 0) continue;
+    one.rms_m = std::sqrt(one.rms_m / static_cast<double>(instants));
+    held.push_back(one);
+  }
+  return held;
+}
+
+}  // namespace
+
 std::vector<CornerOverrun> corner_overruns(const MissionOutcome& outcome) {
   constexpr double kCorner_rad = std::numbers::pi / 6, kAt_m = 5;
   const std::vector<MissionPoint>& points = outcome.plan.points;
@@ -127,6 +168,11 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
     if (const auto error = navigation_error(outcome)) {
       json["truth"]["navigation_error_last_m"] = number_json(error->last_m);
       json["truth"]["navigation_error_largest_m"] = number_json(error->largest_m);
+    }
+    json["truth"]["held"] = ordered_json::array();
+    for (const HeldPoint& held : held_points(outcome)) {
+      json["truth"]["held"].push_back(
+          {{"point", held.point + 1}, {"largest_m", number_json(held.largest_m)}, {"rms_m", number_json(held.rms_m)}});
     }
   }
   json["corners"] = ordered_json::array();

@@ -60,7 +60,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, Helm& helm, const LoopRequest& 
       request_(request),
       configuration_(scenario.with_prior(request.configuration)),
       helm_(helm),
-      source_(scenario.scene, configuration_.simulation, request.threads),
+      source_(scenario.scene, configuration_.simulation, request.threads, configuration_.cameras),
       depths_(configuration_, {}),
       truth_(source_.simulator()) {
   source_.add_operator(scenario.orders, scenario.mission);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/open_source.hpp>
+#include <isobath/cameras/pair_source.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <isobath/run/prefetch.hpp>
 #include <isobath/run/run_source.hpp>
@@ -59,9 +59,10 @@ std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, cons
                                         const std::optional<GeoOrigin>& frame, int threads) {
   std::unique_ptr<Source> source;
   if (is_scene(input)) {
-    source = std::make_unique<SimulatedSource>(open_scene(input), configuration.simulation, threads);
+    source =
+        std::make_unique<SimulatedSource>(open_scene(input), configuration.simulation, threads, configuration.cameras);
   } else {
-    source = open_source(input, configuration.input);
+    source = open_input(input, configuration.input, configuration.cameras);
     if (threads > 1) source = std::make_unique<PrefetchSource>(std::move(source));
   }
   if (!frame) return source;
@@ -93,7 +94,8 @@ RunInput::RunInput(const std::filesystem::path& input, const std::optional<Scena
     source_ = opened_.get();
     return;
   }
-  simulated_ = std::make_unique<SimulatedSource>(scenario->scene, configuration.simulation, std::min(threads, 2));
+  simulated_ = std::make_unique<SimulatedSource>(scenario->scene, configuration.simulation, std::min(threads, 2),
+                                                 configuration.cameras);
   source_ = simulated_.get();
   if (!frame) return;
   opened_ = std::make_unique<PlacedSource>(*simulated_, *frame, nullptr);

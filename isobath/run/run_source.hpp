@@ -13,9 +13,9 @@
 
 namespace isobath {
 
-/// Opens a log, a folder of logs, or a scene (.toml; an empty path is the embedded one). With `frame`, all fixes are
-/// transformed into the local plane around it. Throws Error if the input cannot be opened; with `frame`, also at the
-/// first fix, if the input has no geographic origin or lies more than 1000 km away.
+/// Opens a log, a folder of logs or of camera pairs, or a scene (.toml; an empty path is the embedded one). With
+/// `frame`, all fixes are transformed into the local plane around it. Throws Error if the input cannot be opened; with
+/// `frame`, also at the first fix, if the input has no geographic origin or lies more than 1000 km away.
 std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, const Configuration& configuration,
                                         const std::optional<GeoOrigin>& frame = {}, int threads = 1);
 

@@ -140,7 +140,7 @@ Scenario open_scenario(const std::filesystem::path& input) {
 
 Scene open_scene(const std::filesystem::path& input) { return open_scenario(input).scene; }
 
-SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, int threads)
+SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, int threads, const CamerasConfig& cameras)
     : simulator_(std::move(scene), config, threads) {
   const Scene& s = simulator_.scene();
   report_.format = "simulation";
@@ -148,6 +148,9 @@ SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, in
   report_.details["seed"] = fmt::format("{}", simulator_.seed());
   report_.details["sonar"] = list_of(s.sonars);
   report_.details["faults"] = list_of(s.faults);
+  for (const CameraPairConfig& camera : s.cameras) {
+    rigs_.push_back(camera.on ? std::make_unique<CameraRig>(cameras, cameras_of(camera), camera.X_BL()) : nullptr);
+  }
   report_.bytes_total = static_cast<std::uint64_t>(simulator_.duration_s() * 1000);  // progress counts milliseconds
   report_.origin = s.origin();
   for (const FaultConfig& fault : s.faults) {
@@ -207,7 +210,20 @@ std::optional<Event> SimulatedSource::next() {
     report_.bytes_read = static_cast<std::uint64_t>(simulator_.now_s() * 1000);
     if (auto* ping = std::get_if<Ping>(&*event)) return std::move(*ping);
     if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);
-    if (auto* fix = std::get_if<Navigation>(&*event)) return std::move(*fix);
+    if (auto* fix = std::get_if<Navigation>(&*event)) {
+      if (!rigs_.empty() && rigs_.front()) rigs_.front()->on_fix(*fix);
+      return std::move(*fix);
+    }
+    if (const auto* pair = std::get_if<CameraPair>(&*event)) {
+      CameraRig& rig = *rigs_[pair->rig];
+      auto swath = rig.on_pair(*pair);
+      rig.describe(simulator_.scene().cameras[pair->rig].name, report_.details);
+      if (!swath) {
+        ++report_.rejected[to_text(rig.fault())];
+        continue;
+      }
+      return *std::move(swath);
+    }
     if (auto* health = std::get_if<Health>(&*event)) return std::move(*health);
     if (auto* heard = std::get_if<PassiveBearing>(&*event)) return *heard;
     for (TruthSink* sink : truth_) {

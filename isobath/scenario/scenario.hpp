@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <isobath/cameras/camera_rig.hpp>
 #include <isobath/configuration/configuration.hpp>
 #include <isobath/event/event.hpp>
 #include <isobath/mission/plan/mission_plan.hpp>
@@ -54,6 +55,7 @@ std::string_view embedded_scene();
 std::string scenario_text(const std::filesystem::path& input);
 
 /// The events of a simulated vehicle. Ground truth is delivered to the truth sinks before the event that it describes.
+/// Pairs of pictures of the scene's cameras come as swaths of ranges, and carry the fixes (CameraRig).
 /// Frames of an operator come as events; `answer` takes the frames of the vehicle for the operator.
 /// Agents, the operator's link and the planner are not parts of the simulator. When a fault of one of them begins or
 /// ends, a health report states it, so that a log of the events holds the fault: state lost, with the note kHangs for
@@ -67,7 +69,8 @@ class SimulatedSource : public Source {
     virtual void on_truth(const TrueMotion& motion) = 0;
   };
 
-  explicit SimulatedSource(Scene scene, const SimulationConfig& config = {}, int threads = 1);
+  explicit SimulatedSource(Scene scene, const SimulationConfig& config = {}, int threads = 1,
+                           const CamerasConfig& cameras = {});
 
   std::optional<Event> next() override;
   [[nodiscard]] const SourceReport& report() const override { return report_; }
@@ -89,6 +92,7 @@ class SimulatedSource : public Source {
   void watch_host();
 
   Simulator simulator_;
+  std::vector<std::unique_ptr<CameraRig>> rigs_;  ///< of each pair of cameras of the scene; null: it is off
   SourceReport report_;
   std::vector<TruthSink*> truth_;
   struct HostPart {

@@ -287,6 +287,7 @@ void check(const Scene& scene) {
   check_group(scene);
   for (const FaultConfig& fault : scene.faults) check_fault(fault);
   for (const SonarConfig& sonar : scene.sonars) check(sonar);
+  for (const CameraPairConfig& camera : scene.cameras) check(camera);
   std::vector<std::string> bodies;
   for (const Body& b : scene.bodies) bodies.push_back(b.name);
   check(scene.hydrophones, scene.sounds, bodies, {.file = scene.file});
@@ -305,6 +306,9 @@ void check_length(const Scene& scene, double duration_s) {
   add(n.lbl);
   for (const SonarConfig& sonar : scene.sonars) {
     if (sonar.on) per_second += 1 / ping_interval_s(sonar);
+  }
+  for (const CameraPairConfig& camera : scene.cameras) {
+    if (camera.on) per_second += camera.rate_hz;
   }
   if (scene.hydrophones.on) {
     per_second += static_cast<double>(scene.sounds.size()) / scene.hydrophones.interval_s;
@@ -397,6 +401,13 @@ Schema schema(Scene& s) {
                   sonar.place = place;
                   if (s.sonars.size() > 1) sonar.name = fmt::format("sonar {}", s.sonars.size());
                   return fields(sonar);
+                }},
+               {"camera", "A pair of cameras of the vehicle, whose pictures become ranges during the run.",
+                [&s](const Place& place) {
+                  CameraPairConfig& camera = s.cameras.emplace_back();
+                  camera.place = place;
+                  if (s.cameras.size() > 1) camera.name = fmt::format("cameras {}", s.cameras.size());
+                  return fields(camera);
                 }},
                {"sound", "A machine that sounds at one frequency, for the passive array.",
                 [&s](const Place& place) {

@@ -18,6 +18,7 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/acoustic_link.hpp>
+#include <isobath/sim/camera_config.hpp>
 #include <isobath/sim/dead_reckoning.hpp>
 #include <isobath/sim/fault_config.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
@@ -168,6 +169,7 @@ struct Scene {
   AcousticLinkConfig link;          ///< between the vehicles
   std::vector<WaypointConfig> waypoints;
   std::vector<SonarConfig> sonars;
+  std::vector<CameraPairConfig> cameras;
   HydrophonesConfig hydrophones;
   std::vector<SoundConfig> sounds;
   DeadReckoningConfig navigator{.kind = NavigatorKind::kTruth};

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/sim/camera_simulator.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <numbers>
 
@@ -13,7 +14,15 @@ constexpr double kPartSilent = 0.5, kPartPeriods = 5;  // s, periods: a sensor t
 constexpr double kSteered_s = 1;                       // s, for which a steered body goes on with its velocity
 constexpr double kDiveMemory = 20;                     // s: correlation time of the noise on a dive
 
-enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed, kHydrophoneSeed };
+enum : std::uint64_t {
+  kSensorSeed = 1,
+  kNavigatorSeed,
+  kFaultSeed,
+  kDiveSeed,
+  kSonarSeed,
+  kHydrophoneSeed,
+  kTextureSeed
+};
 
 /// A vehicle that follows its set-points instantly, for scenes without a vehicle file.
 VehicleModel point_vehicle() {
@@ -87,6 +96,32 @@ struct Simulator::Device {
   std::uint64_t number = 0;
 };
 
+/// A pair of cameras with its clock.
+struct Simulator::Cameras {
+  Cameras(const CameraPairConfig& config, std::size_t number) : rig(number), calibration(cameras_of(config)) {
+    interval = seconds(1 / config.rate_hz);
+    X_BC = looking_ahead(config.X_BL());
+    noise = config.noise;
+  }
+  [[nodiscard]] CameraPair take(const CameraSimulator& simulator, const Pose& X_WB) {
+    CameraOptics optics{calibration.left, calibration.in_water, calibration.port, calibration.light, noise};
+    optics.isoluminant = calibration.isoluminant;
+    const Pose X_WC = X_WB * X_BC;
+    CameraPair pair{due, simulator.take(optics, X_WC, exposures), {}, rig};
+    optics.model = calibration.right;
+    pair.right = simulator.take(optics, X_WC * calibration.X_LR(), exposures + 1);
+    exposures += 2;
+    return pair;
+  }
+  std::size_t rig;
+  StereoCalibration calibration;
+  Duration interval{};
+  Pose X_BC;  ///< of the left camera: right, down, forward
+  double noise = 1;
+  Time due{};
+  std::uint64_t exposures = 0;
+};
+
 Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
     : scene_(checked(std::move(scene))),
       seed_(static_cast<std::uint64_t>(config.seed >= 0 ? config.seed : scene_.about.seed)),
@@ -99,6 +134,7 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
       faults_(scene_.faults, random_at(seed_, kFaultSeed, 0).bits()),
       sensors_(scene_.navigation, random_at(seed_, kSensorSeed, 0).bits()),
       navigator_(scene_.navigator, scene_.navigation, random_at(seed_, kNavigatorSeed, 0).bits()),
+      threads_(threads),
       fix_channel_(faults_, "navigation"),
       waves_(random_at(seed_, kDiveSeed, 0)) {
   if (!config.without.empty()) switch_off(scene_, config.without);
@@ -109,6 +145,9 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
     if (!scene_.sonars[i].on) continue;
     devices_.push_back(std::make_unique<Device>(scene_.sonars[i], *world_, water_,
                                                 random_at(seed_, kSonarSeed, i).bits(), threads, faults_, names[i]));
+  }
+  for (std::size_t i = 0; i < scene_.cameras.size(); ++i) {
+    if (scene_.cameras[i].on) cameras_.emplace_back(scene_.cameras[i], i);
   }
   for (const char* source : {"compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl"}) {
     reading_channels_.emplace_back(source, FaultyChannel<NavReading>(faults_, source));
@@ -182,6 +221,7 @@ void Simulator::step() {
   navigate();
   ping_all();
   listen();
+  take_pictures();
   report_health();
 }
 
@@ -253,6 +293,7 @@ void Simulator::put(SimulatedEvent event) {
     void operator()(Navigation& e) const { e.time += by; }
     void operator()(Health& e) const { e.time += by; }
     void operator()(PassiveBearing& e) const { e.time += by; }
+    void operator()(CameraPair& e) const { e.time += by; }
     void operator()(EchoTruth& e) const { e.time += by; }  // keeps the time of its ping
     void operator()(TrueMotion&) const {}
   };
@@ -341,6 +382,16 @@ void Simulator::listen() {
     world_->move_to(to_seconds(next_bearings_));
     for (const PassiveBearing& heard : hydrophones_->listen(next_bearings_, state_at(next_bearings_), bearings_++)) {
       put(heard);
+    }
+  }
+}
+
+void Simulator::take_pictures() {
+  for (Cameras& cameras : cameras_) {
+    for (; cameras.due <= now_; cameras.due += cameras.interval) {
+      world_->move_to(to_seconds(cameras.due));
+      const CameraSimulator simulator(*world_, seed_at(seed_, kTextureSeed, 0), threads_);
+      put(cameras.take(simulator, state_at(cameras.due).X_WB));
     }
   }
 }

@@ -20,6 +20,7 @@
 #include <isobath/sim/simulated_sonar.hpp>
 #include <isobath/sim/world.hpp>
 #include <isobath/sonar/echo_truth.hpp>
+#include <isobath/stereo/optics/camera_pair.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/health.hpp>
 #include <isobath/vehicle/plant.hpp>
@@ -30,8 +31,9 @@
 
 namespace isobath {
 
-/// Output of the vehicle (the first five) and ground truth (the last two).
-using SimulatedEvent = std::variant<Ping, RangeReading, Navigation, Health, PassiveBearing, EchoTruth, TrueMotion>;
+/// Output of the vehicle (the first six) and ground truth (the last two).
+using SimulatedEvent =
+    std::variant<Ping, RangeReading, Navigation, Health, PassiveBearing, CameraPair, EchoTruth, TrueMotion>;
 
 struct SimulationConfig {
   int seed = -1;             ///< -1: the scene's seed
@@ -76,6 +78,7 @@ class Simulator {
 
  private:
   struct Device;
+  struct Cameras;
   void check_start() const;
   void step();
   [[nodiscard]] Setpoint wanted(double dt);
@@ -83,6 +86,7 @@ class Simulator {
   void navigate();
   void ping_all();
   void listen();
+  void take_pictures();
   void report_health();
   void watch_parts();
   void report_parts();
@@ -107,6 +111,8 @@ class Simulator {
   NavigationSensors sensors_;
   DeadReckoning navigator_;
   std::vector<std::unique_ptr<Device>> devices_;
+  std::vector<Cameras> cameras_;
+  int threads_;
   std::vector<std::pair<std::string, FaultyChannel<NavReading>>> reading_channels_;
   FaultyChannel<Navigation> fix_channel_;
   std::optional<Hydrophones> hydrophones_;

@@ -8,7 +8,7 @@ SwathFault check(const Swath& swath) {
   if (swath.soundings.size() > Swath::kMaxSoundings) return SwathFault::kTooMany;
   const auto finite = [](const Sounding& s) {
     return s.point.allFinite() && std::isfinite(s.range_m) && s.range_m >= 0 && std::isfinite(s.sigma_m) &&
-           s.sigma_m >= 0;
+           s.sigma_m >= 0 && std::isfinite(s.sigma_range_m) && s.sigma_range_m >= 0;
   };
   const bool head = std::isfinite(swath.sound_speed) && swath.beam_width.degrees() >= 0 &&
                     swath.beam_width.degrees() <= 360 && swath.beam_height.degrees() >= 0 &&

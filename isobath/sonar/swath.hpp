@@ -1,5 +1,8 @@
 // Swath: the soundings of one transmission of a multibeam echo sounder, one detected range per beam.
 //
+// A pair of cameras gives a Swath, too: its soundings are points on whatever the cameras see, all of class kWater, each
+// with the standard deviation of its range (ledger S8-07).
+//
 // A Ping carries undecided echoes. A Swath carries points that the sonar's own software has detected: on the bottom, or
 // on an object in the water (class kWater, the most important ones for an obstacle map).
 //
@@ -31,6 +34,7 @@ struct Sounding {
   float sigma_m = 0;  ///< standard deviation of the depth as the sonar states it; 0: not stated
   std::uint16_t beam = 0;
   Kind kind = Kind::kBottom;
+  float sigma_range_m = 0;  ///< standard deviation of the range, along the ray; 0: not stated
 };
 
 struct Swath {

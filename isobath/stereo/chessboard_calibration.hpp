@@ -6,7 +6,7 @@
 #pragma once
 
 #include <isobath/stereo/optics/camera_image.hpp>
-#include <isobath/stereo/stereo_calibration.hpp>
+#include <isobath/stereo/optics/stereo_calibration.hpp>
 
 namespace isobath {
 

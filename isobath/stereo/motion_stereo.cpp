@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/stereo/motion_stereo.hpp>
+#include <isobath/stereo/patch.hpp>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -10,49 +11,8 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr int kHalfPatch = 4, kPatchPixels = (2 * kHalfPatch + 1) * (2 * kHalfPatch + 1);
 constexpr double kStep_px = 0.5;
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
-
-struct Patch {
-  double values[kPatchPixels];  ///< less their mean
-  double norm = 0;
-
-  void settle() {
-    double mean = 0;
-    for (const double v : values) mean += v;
-    mean /= kPatchPixels;
-    norm = 0;
-    for (double& v : values) {
-      v -= mean;
-      norm += v * v;
-    }
-    norm = std::sqrt(norm);
-  }
-};
-
-bool patch_at(const CameraImage& grey, const Vector2d& at, Patch& patch) {
-  const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
-  if (x < kHalfPatch || y < kHalfPatch || x + kHalfPatch + 1 >= grey.width || y + kHalfPatch + 1 >= grey.height)
-    return false;
-  const double u = at.x() - x, v = at.y() - y;
-  double* to = patch.values;
-  for (int j = -kHalfPatch; j <= kHalfPatch; ++j) {
-    const std::uint8_t* const upper = grey.samples.data() + grey.index(x - kHalfPatch, y + j);
-    const std::uint8_t* const lower = upper + grey.width;
-    for (int i = 0; i <= 2 * kHalfPatch; ++i) {
-      *to++ = (1 - v) * ((1 - u) * upper[i] + u * upper[i + 1]) + v * ((1 - u) * lower[i] + u * lower[i + 1]);
-    }
-  }
-  patch.settle();
-  return true;
-}
-
-double correlation(const Patch& a, const Patch& b) {
-  double sum = 0;
-  for (int i = 0; i < kPatchPixels; ++i) sum += a.values[i] * b.values[i];
-  return sum / std::max(1e-9, a.norm * b.norm);
-}
 
 /// One pixel's search along its epipolar line.
 class EpipolarSearch {
@@ -143,7 +103,7 @@ MotionDepth motion_depth(const CameraImage& first, const CameraImage& second, co
     for (int column = 0; column < out.width; ++column) {
       const Vector2d at(column * config.every, row * config.every);
       Patch patch;
-      if (!patch_at(a, at, patch) || patch.norm < config.min_contrast * std::sqrt(double{kPatchPixels})) continue;
+      if (!patch_at(a, at, patch) || patch.norm < config.min_contrast * std::sqrt(double{Patch::kPixels})) continue;
       const std::size_t i =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(out.width) + static_cast<std::size_t>(column);
       std::tie(out.depth_m[i], out.sigma_m[i]) = search.depth(patch, camera.normalised(at));

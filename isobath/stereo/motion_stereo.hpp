@@ -10,7 +10,7 @@
 #pragma once
 
 #include <isobath/stereo/optics/camera_image.hpp>
-#include <isobath/stereo/stereo_calibration.hpp>
+#include <isobath/stereo/optics/stereo_calibration.hpp>
 #include <optional>
 
 namespace isobath {

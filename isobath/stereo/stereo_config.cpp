@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
 #include <isobath/stereo/stereo_config.hpp>
 
 namespace isobath {
@@ -37,6 +39,14 @@ std::vector<Field> fields(StereoConfig& c) {
                   "Standard deviation of a disparity, from which that of the range follows."),
       Field::integer("threads", &c.threads, {1, 64}, "1", "Threads that match; the result does not depend on it."),
   };
+}
+
+void check(const StereoConfig& c, const std::string& section) {
+  const auto at = [&](const char* key) { return Place{{}, {}, {}, {}, section + "." + key}; };
+  if (c.disparities % 64 != 0)
+    throw Error(fmt::format("{} is not a multiple of 64", c.disparities), at("disparities"), "64, 128, 192, 256");
+  if (c.window % 2 == 0) throw Error(fmt::format("{} is even", c.window), at("window"), "1, 3 .. 15");
+  if (c.red + c.green + c.blue <= 0) throw Error("the weights of red, green and blue are all 0", at("red"));
 }
 
 }  // namespace isobath

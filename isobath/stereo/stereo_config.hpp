@@ -2,6 +2,7 @@
 #pragma once
 
 #include <isobath/base/field.hpp>
+#include <string>
 #include <vector>
 
 namespace isobath {
@@ -28,5 +29,7 @@ struct StereoConfig {
 };
 
 std::vector<Field> fields(StereoConfig& config);
+/// Throws Error for values that do not fit each other; `section`: where they stand.
+void check(const StereoConfig& config, const std::string& section);
 
 }  // namespace isobath

@@ -19,9 +19,17 @@ std::vector<StereoPoint> stereo_points(const DisparityMap& map, const PairGeomet
   return points;
 }
 
-std::vector<StereoReading> stereo_readings(const DisparityMap& map, const PairGeometry& geometry,
-                                           double sigma_disparity, const Pose& X_BV, Time time, int cell,
-                                           double max_range_m) {
+namespace {
+
+/// Of a cell of the picture that is half valid the point with the median distance.
+struct StereoCell {
+  Vector3d p;          ///< forward, starboard, down of the left camera
+  double range_m = 0;  ///< its distance
+  double sigma_m = 0;  ///< of the range, of one pixel
+};
+
+std::vector<StereoCell> cells_of(const DisparityMap& map, const PairGeometry& geometry, double sigma_disparity,
+                                 int cell, double max_range_m) {
   const std::vector<StereoPoint> points = stereo_points(map, geometry, sigma_disparity);
   const int columns = (map.width + cell - 1) / cell, rows = (map.height + cell - 1) / cell;
   std::vector<std::vector<const StereoPoint*>> cells(static_cast<std::size_t>(columns) *
@@ -30,9 +38,9 @@ std::vector<StereoReading> stereo_readings(const DisparityMap& map, const PairGe
     const int at = point.row / cell * columns + point.column / cell;
     cells[static_cast<std::size_t>(at)].push_back(&point);
   }
-  std::vector<StereoReading> readings;
+  std::vector<StereoCell> found;
   for (auto& inside : cells) {
-    if (static_cast<int>(inside.size()) * 2 < cell * cell) continue;
+    if (inside.empty() || static_cast<int>(inside.size()) * 2 < cell * cell) continue;
     const auto middle = inside.begin() + static_cast<std::ptrdiff_t>(inside.size() / 2);
     std::nth_element(inside.begin(), middle, inside.end(), [](const StereoPoint* a, const StereoPoint* b) {
       return std::pair(a->p_V.norm(), a->column + a->row) < std::pair(b->p_V.norm(), b->column + b->row);
@@ -40,19 +48,53 @@ std::vector<StereoReading> stereo_readings(const DisparityMap& map, const PairGe
     const StereoPoint& point = **middle;
     const double range = point.p_V.norm();
     if (range > max_range_m) continue;
-    const Vector3d p(point.p_V.z(), point.p_V.x(), point.p_V.y());  // forward, starboard, down
+    found.push_back({{point.p_V.z(), point.p_V.x(), point.p_V.y()}, range, point.sigma_z_m * range / point.p_V.z()});
+  }
+  return found;
+}
+
+Angle width_of(int cell, const PairGeometry& geometry) {
+  return Angle::radians(2 * std::atan(0.5 * cell / geometry.pair().focal_px));
+}
+
+}  // namespace
+
+std::vector<StereoReading> stereo_readings(const DisparityMap& map, const PairGeometry& geometry,
+                                           double sigma_disparity, const Pose& X_BV, Time time, int cell,
+                                           double max_range_m) {
+  std::vector<StereoReading> readings;
+  for (const StereoCell& found : cells_of(map, geometry, sigma_disparity, cell, max_range_m)) {
+    const Vector3d& p = found.p;
     const Angle heading = Angle::radians(std::atan2(p.y(), p.x()));
     const Angle pitch = Angle::radians(-std::atan2(p.z(), std::hypot(p.x(), p.y())));
     StereoReading one;
     one.reading.time = time;
-    one.reading.range_m = range;
+    one.reading.range_m = found.range_m;
     one.reading.max_range_m = max_range_m;
-    one.reading.width = Angle::radians(2 * std::atan(0.5 * cell / geometry.pair().focal_px));
+    one.reading.width = width_of(cell, geometry);
     one.reading.X_BS = {X_BV.rotation * Rotation::from_heading_pitch_roll(heading, pitch, {}), X_BV.translation};
-    one.sigma_m = point.sigma_z_m * range / point.p_V.z();
+    one.sigma_m = found.sigma_m;
     readings.push_back(one);
   }
   return readings;
+}
+
+Swath stereo_swath(const DisparityMap& map, const PairGeometry& geometry, double sigma_disparity, const Pose& X_BV,
+                   Time time, int cell, double max_range_m) {
+  Swath swath;
+  swath.time = time;
+  swath.beam_width = width_of(cell, geometry);
+  for (const StereoCell& found : cells_of(map, geometry, sigma_disparity, cell, max_range_m)) {
+    if (swath.soundings.size() == Swath::kMaxSoundings) break;
+    Sounding sounding;
+    sounding.point = (X_BV * found.p).cast<float>();
+    sounding.range_m = static_cast<float>(found.range_m);
+    sounding.beam = static_cast<std::uint16_t>(swath.soundings.size());
+    sounding.kind = Sounding::Kind::kWater;
+    sounding.sigma_range_m = static_cast<float>(found.sigma_m);
+    swath.soundings.push_back(sounding);
+  }
+  return swath;
 }
 
 }  // namespace isobath

@@ -25,8 +25,11 @@ SphericalGridConfig finer_config(SphericalGridConfig config, int finer) {
 SphericalLook look_at(const Vector3d& p_G, const SurveyEcho& echo, const SectionSonarConfig& sonar) {
   const double range = p_G.norm(), along = std::max(sonar.sigma_m, sonar.sigma_share * echo.range_m);
   const double across = std::max(along, echo.range_m * sonar.sigma.radians());
-  return {Vector3d::Zero(), p_G / range, Angle::radians(2.355 * std::atan2(across, range)), range, range, {},
-          {range, 0}};
+  return {.axis = p_G / range,
+          .width = Angle::radians(2.355 * std::atan2(across, range)),
+          .range_m = range,
+          .max_range_m = range,
+          .told = {range, 0}};
 }
 
 /// The probability of a cell with half the expected number of objects of the likeliest one.

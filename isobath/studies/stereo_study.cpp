@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/sim/camera_simulator.hpp>
+#include <isobath/stereo/pair_fault.hpp>
 #include <isobath/studies/stereo_study.hpp>
 #include <limits>
 
@@ -12,13 +13,11 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr float kUnknownRange = std::numeric_limits<float>::quiet_NaN();
-constexpr int kLeastContrast = 8;    // grey levels between darkest and brightest
-constexpr double kFewMatches = 0.4;  // share of valid pixels below which exchanged eyes are looked for
 constexpr double kReadingRange_m = 20;
 
 void check_picture(const CameraImage& image, const std::filesystem::path& file) {
+  if (!is_blank(image)) return;
   const auto [low, high] = std::minmax_element(image.samples.begin(), image.samples.end());
-  if (*high - *low >= kLeastContrast) return;
   throw Error(fmt::format("shows nothing: all its pixels have a brightness of {} to {} of 255", *low, *high),
               {file.string()}, {}, "a black or blank picture cannot be matched");
 }
@@ -29,9 +28,9 @@ void check_pair(const CameraImage& left, const CameraImage& right, const StereoR
                             right.width, right.height),
                 {request.right.string()});
   }
-  if (left.width < 64 || left.height < 32)
+  if (left.width < kMinPairWidth || left.height < kMinPairHeight)
     throw Error(fmt::format("has only {} x {} pixels", left.width, left.height), {request.left.string()},
-                "at least 64 x 32");
+                fmt::format("at least {} x {}", kMinPairWidth, kMinPairHeight));
   check_picture(left, request.left);
   check_picture(right, request.right);
 }
@@ -46,11 +45,6 @@ void check_size(const CameraImage& image, CameraModel& camera, const StereoReque
   throw Error(fmt::format("is of pictures of {} x {} pixels; these have {} x {}", camera.width, camera.height,
                           image.width, image.height),
               {request.calibration.front().string()});
-}
-
-Pose pose_of_right(const Pose& X_WL, const StereoCalibration& c) {
-  if (c.moves) return X_WL * Pose{Rotation::from_matrix(c.R_AB), c.p_AB};
-  return X_WL * Pose{Rotation::from_matrix(c.R_RL), c.p_RL}.inverse();
 }
 
 /// The true z of each pixel of the picture that is matched, from the line of sight that the camera really has there.
@@ -83,7 +77,7 @@ StereoPair simulated_pair(const StereoRequest& request, const StereoCalibration&
   pair.simulated = true;
   pair.left = simulator.take(optics, X_WL, 0);
   if (!calibration.moves) optics.model = calibration.right;
-  pair.right = simulator.take(optics, pose_of_right(X_WL, calibration), 1);
+  pair.right = simulator.take(optics, X_WL * calibration.X_LR(), 1);
   pair.calibration = calibration;
   if (calibration.moves) {
     if (calibration.in_water)
@@ -156,14 +150,11 @@ double usable_range(std::span<const float> truth, std::span<const float> found) 
 
 /// Throws where the pair fits better with left and right exchanged.
 void check_eyes(const StereoPair& pair, const DisparityMap& map, const StereoRequest& request) {
-  const double valid = map.share_of(PixelState::kValid);
-  if (valid >= kFewMatches) return;
-  DenseMatcher matcher(matching_of(request));
-  const double exchanged = matcher.match(pair.right, pair.left).share_of(PixelState::kValid);
-  if (exchanged < 1.5 * valid || exchanged < 0.2) return;
+  const auto eyes = exchanged_eyes(pair.left, pair.right, map, matching_of(request));
+  if (!eyes) return;
   throw Error(
       fmt::format("left and right are exchanged: {:.0f} % of the pixels match this way round, {:.0f} % the other",
-                  100 * valid, 100 * exchanged),
+                  100 * eyes->valid, 100 * eyes->exchanged),
       {request.left.string()}, {}, "give the left picture first");
 }
 
@@ -179,15 +170,8 @@ std::vector<Section> sections(StereoRequest& request) {
 }
 
 StereoConfig matching_of(const StereoRequest& request) {
-  const StereoConfig& c = request.matching;
-  if (c.disparities % 64 != 0)
-    throw Error(fmt::format("{} is not a multiple of 64", c.disparities), {{}, {}, {}, {}, "stereo.disparities"},
-                "64, 128, 192, 256");
-  if (c.window % 2 == 0)
-    throw Error(fmt::format("{} is even", c.window), {{}, {}, {}, {}, "stereo.window"}, "1, 3 .. 15");
-  if (c.red + c.green + c.blue <= 0)
-    throw Error("the weights of red, green and blue are all 0", {{}, {}, {}, {}, "stereo.red"});
-  return c;
+  check(request.matching, "stereo");
+  return request.matching;
 }
 
 namespace {

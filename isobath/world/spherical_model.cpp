@@ -94,7 +94,7 @@ void SphericalModel::update(const Swath& swath, const Pose& X_WB) {
     const Eigen::Vector3d p_B = s->point.cast<double>();
     const double far = p_B.norm();
     mapper_.add({Eigen::Vector3d::Zero(), mapper_.to_grid(X_WB.rotation * (p_B / far)), width, far,
-                 static_cast<double>(s->range_m), swath.time});
+                 static_cast<double>(s->range_m), swath.time, static_cast<double>(s->sigma_range_m)});
   }
   ++counts_.swaths;
   note(swath.time, X_WB);

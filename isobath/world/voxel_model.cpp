@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/round_step.hpp>
@@ -8,6 +9,7 @@
 #include <isobath/sonar/fan_stance.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -22,12 +24,28 @@ constexpr double kSteep = 0.5;  // level part of an axis that is too steep to ha
 // Log-odds of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: two soundings are
 // enough for an occupied voxel even with a low prior (0.05). Chosen, not measured.
 constexpr double kSoundingHit = 1.5, kSoundingMiss = -0.5;
+constexpr double kVoxelsOfRange = 200;      // from a sonar to the end of its range
+constexpr double kSureSigmas = 2;           // so far before its end the ray of a sounding shows that the water is free
 constexpr double kFarthestSounding = 4096;  // voxels: a swath that long fills some hundred megabytes
 
 constexpr const char* kTooFarOff = "too far from the origin for voxels of this size";
 constexpr const char* kLongSounding = "soundings of more than 4096 voxels";
 
 constexpr Duration kHeldFor = std::chrono::minutes(2), kNoted = std::chrono::seconds(1);
+
+/// Edge of voxels that hold the ends of most rays: the median standard deviation of the ranges. 0: they state none.
+double edge_for(const Swath& swath) {
+  std::vector<double> sigmas;
+  for (const Sounding& s : swath.soundings) sigmas.push_back(static_cast<double>(s.sigma_range_m));
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle > 0 ? round_step(*middle, {1, 2.5, 5}) : 0;
+}
+
+/// Probability that a range with this standard deviation ends within half a voxel of where it is measured.
+double share_in_voxel(double edge, double sigma_m) {
+  return sigma_m > 0 ? std::erf(edge / (2 * std::numbers::sqrt2 * sigma_m)) : 1;
+}
 
 /// Whether a map with such voxels covers everything within `range_m` of a position.
 bool holds(double voxel_m, const Eigen::Vector3d& p_W, double range_m) {
@@ -68,7 +86,7 @@ VoxelModel::VoxelModel(const VoxelModelConfig& config, std::filesystem::path spi
 
 double VoxelModel::voxel_for(double range_m) const {
   if (map_) return map_->voxel_m();
-  return config_.fit ? round_step(range_m / 200, {1, 2.5, 5}) : config_.map.voxel_m;
+  return config_.fit ? round_step(range_m / kVoxelsOfRange, {1, 2.5, 5}) : config_.map.voxel_m;
 }
 
 void VoxelModel::begin(double range_m) {
@@ -142,17 +160,17 @@ void VoxelModel::update(const Swath& swath, const Pose& X_WB) {
     if (s.kind == Sounding::Kind::kWater) farthest = std::max<double>(farthest, s.range_m);
   }
   if (farthest == 0) return;
-  const double edge = voxel_for(farthest);
+  const double edge = map_ || !config_.fit ? voxel_for(farthest) : std::max(voxel_for(farthest), edge_for(swath));
   if (!holds(edge, X_WB.translation, config_.window_m)) {
     ++refused_[kTooFarOff];
     return;
   }
-  if (!map_) begin(farthest);
+  if (!map_) begin(edge * kVoxelsOfRange);
   note(swath.time);
   VoxelBlocks& layer = map_->layer(kSoundings);
-  const LogOdds16 hit = to_evidence(kSoundingHit), miss = to_evidence(kSoundingMiss);
-  VoxelBlocks met;  // voxels of this swath: negative where rays pass, positive where one ends
-  std::vector<VoxelIndex> ends;
+  const LogOdds16 miss = to_evidence(kSoundingMiss);
+  VoxelBlocks met;  // voxels of this swath: negative where rays pass, the evidence of the surest end where any ends
+  std::vector<std::pair<VoxelIndex, LogOdds16>> ends;
   for (const Sounding& s : swath.soundings) {
     const Eigen::Vector3d p_B = s.point.cast<double>(), to = X_WB * p_B / edge;
     const double far = p_B.norm();
@@ -162,14 +180,21 @@ void VoxelModel::update(const Swath& swath, const Pose& X_WB) {
       continue;
     }
     if (to.cwiseAbs().maxCoeff() >= VoxelBlocks::kFarthest - 1) continue;
-    met.insert_ray(X_WB * (p_B * (1 - s.range_m / far)) / edge, to, -1, 0);
-    ends.push_back(floor_of(to));
+    const double sure_m = std::max(0.0, s.range_m - kSureSigmas * static_cast<double>(s.sigma_range_m));
+    const Eigen::Vector3d from_B = p_B * (1 - s.range_m / far);
+    met.insert_ray(X_WB * from_B / edge, X_WB * Eigen::Vector3d(from_B + p_B * (sure_m / far)) / edge, -1, 0);
+    const double hit = kSoundingHit * share_in_voxel(edge, static_cast<double>(s.sigma_range_m));
+    ends.emplace_back(floor_of(to), std::max(to_evidence(hit), LogOdds16{1}));
   }
-  for (const VoxelIndex& v : ends) met.touch(v)[VoxelBlocks::offset(v)] = 1;
+  for (const auto& [v, hit] : ends) {
+    LogOdds16& at = met.touch(v)[VoxelBlocks::offset(v)];
+    at = at == kUnseen ? hit : std::max(at, hit);
+  }
   met.for_each(0, [&](const VoxelBlocks::Block& block) {
     LogOdds16* evidence = layer.touch(block.corner);
     for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      if (block.evidence[i] != kUnseen) evidence[i] = layer.sum(evidence[i], block.evidence[i] > 0 ? hit : miss);
+      if (block.evidence[i] != kUnseen)
+        evidence[i] = layer.sum(evidence[i], block.evidence[i] > 0 ? block.evidence[i] : miss);
     }
   });
   ++shots_;

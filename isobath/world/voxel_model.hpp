@@ -11,11 +11,12 @@
 // happens after a ping, so the blocks of one ping come on top. A spilled map gives the same files as one without a
 // bound (VoxelMap).
 //
-// Soundings in the water (Sounding::Kind::kWater, in the body frame) come from imaging sonars with true elevation. They
-// are narrow beams and have a layer of their own: the voxels that a ray passes are free, the voxel where it ends is
-// occupied. Each voxel counts once per swath, as occupied if any ray ends in it. A Swath does not state the lever arm
-// from the vehicle to the sonar, so the arm is assumed to lie along the ray. Soundings of the bottom belong to the
-// depth map.
+// Soundings in the water (Sounding::Kind::kWater, in the body frame) come from imaging sonars with true elevation and
+// from pairs of cameras. They are narrow beams and have a layer of their own: the voxels that a ray passes are free,
+// the voxel where it ends is occupied. A sounding that states the standard deviation of its range (a camera's) frees
+// the water up to two of them before its end, and its end counts by the probability that it lies in that voxel. Each
+// voxel counts once per swath, as occupied if any ray ends in it. A Swath does not state the lever arm from the vehicle
+// to the sonar, so the arm is assumed to lie along the ray. Soundings of the bottom belong to the depth map.
 //
 // A jump of the position (Pipeline) does not change the distance from vehicle to obstacle. Blocks with evidence since
 // the last jump, or from the last two minutes, therefore move along by whole voxels. Relative to the vehicle they are

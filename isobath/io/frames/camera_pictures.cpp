@@ -138,11 +138,14 @@ NumberMap parse_pfm(std::span<const std::uint8_t> bytes, const std::string& file
 
 }  // namespace
 
+CameraImage parse_camera_image(std::span<const std::uint8_t> bytes, const std::string& file) {
+  if (bytes.size() > 3 && bytes[0] == 0xFF && bytes[1] == 0xD8) return parse_jpeg(bytes, file);
+  if (bytes.size() > 3 && bytes[0] == 0x89 && bytes[1] == 'P') return parse_png_picture(bytes, file);
+  throw Error("is no picture that can be read", {file}, "PNG, JPEG");
+}
+
 CameraImage read_camera_image(const std::filesystem::path& file) {
-  const std::vector<std::uint8_t> bytes = read_whole_file(file, kMaxPictureBytes);
-  if (bytes.size() > 3 && bytes[0] == 0xFF && bytes[1] == 0xD8) return parse_jpeg(bytes, file.string());
-  if (bytes.size() > 3 && bytes[0] == 0x89 && bytes[1] == 'P') return parse_png_picture(bytes, file.string());
-  throw Error("is no picture that can be read", {file.string()}, "PNG, JPEG");
+  return parse_camera_image(read_whole_file(file, kMaxPictureBytes), file.string());
 }
 
 void write_camera_image(const std::filesystem::path& file, const CameraImage& image) {

@@ -7,9 +7,13 @@
 
 #include <filesystem>
 #include <isobath/stereo/optics/camera_image.hpp>
+#include <span>
+#include <string>
 
 namespace isobath {
 
+/// `file`: for messages.
+CameraImage parse_camera_image(std::span<const std::uint8_t> bytes, const std::string& file);
 CameraImage read_camera_image(const std::filesystem::path& file);
 void write_camera_image(const std::filesystem::path& file, const CameraImage& image);
 

@@ -53,6 +53,9 @@ std::vector<Field> fields(InputConfig& c) {
       Field::text("frame_geometry", &c.frame_geometry,
                   "geometry.json that says what rows and columns of the images in a ROS log are; empty: images are not "
                   "read."),
+      Field::text("cameras", &c.cameras,
+                  "pairs.toml that says which two image topics of a ROS log are a pair of cameras, and how these see; "
+                  "empty: pairs are not read."),
       Field::real("pressure_unit_pa", &c.pressure_unit_pa, {1e-3, 1e6}, "Pa",
                   "Unit of the pressures in a ROS log, for drivers that do not publish pascals."),
       Field::real("surface_pressure_pa", &c.surface_pressure_pa, {0, 200000}, "Pa",

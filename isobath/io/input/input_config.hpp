@@ -38,6 +38,7 @@ struct InputConfig {
   LogAxes axes = LogAxes::kByName;
   bool beam_major = false;              ///< whether the samples of a beam stand together in a ROS sonar image
   std::string frame_geometry;           ///< geometry.json of the images in a ROS log; empty: images are not read
+  std::string cameras;                  ///< pairs.toml of two image topics of a ROS log; empty: they are not read
   double pressure_unit_pa = 1;          ///< one unit of a ROS log's pressures, Pa
   double surface_pressure_pa = 101325;  ///< at the surface; 0: the log has gauge pressures
   double water_density = 1025;          ///< kg/m3, for depths from pressures

@@ -132,6 +132,9 @@ std::optional<Event> take_swath(std::span<const std::uint8_t> data) {
   const std::size_t count = kind.size();
   const bool older = r.at_end();  // from before the height of the beams was added
   if (!older) swath.beam_height = Angle::radians(r.number<double>());
+  const bool without_range_sigma = r.at_end();  // from before the standard deviation of ranges was added
+  const auto sigma_range = without_range_sigma ? std::span<const std::uint8_t>() : r.sequence<float>();
+  if (!without_range_sigma && sigma_range.size() != 4 * count) return std::nullopt;
   if (!r.ok() || frame > 1 || heading.size() > 8 || beam.size() != 2 * count) return std::nullopt;
   for (const auto& column : {x, y, z, range, sigma}) {
     if (column.size() != 4 * count) return std::nullopt;
@@ -147,6 +150,7 @@ std::optional<Event> take_swath(std::span<const std::uint8_t> data) {
     s.sigma_m = number_at<float>(sigma, i);
     s.beam = number_at<std::uint16_t>(beam, i);
     s.kind = static_cast<Sounding::Kind>(kind[i]);
+    if (!without_range_sigma) s.sigma_range_m = number_at<float>(sigma_range, i);
   }
   return swath;
 }

@@ -122,6 +122,7 @@ void put(CdrWriter& w, const Swath& s) {
   put_column<std::uint16_t>(w, s.soundings, [](const Sounding& p) { return p.beam; });
   put_column<std::uint8_t>(w, s.soundings, [](const Sounding& p) { return static_cast<std::uint8_t>(p.kind); });
   w.number(s.beam_height.radians());
+  put_column<float>(w, s.soundings, [](const Sounding& p) { return p.sigma_range_m; });
 }
 
 }  // namespace

@@ -92,7 +92,9 @@ const RecordKind kSwath = {.topic = "/swath",
                                "uint16[] beam\n"
                                "uint8[] kind              # 0 bottom, 1 something in the water\n"
                                "float64 beam_height       # full, rad, where elevation is not resolved; 0: it is "
-                               "known. Older logs lack it\n"};
+                               "known. Older logs lack it\n"
+                               "float32[] sigma_range     # standard deviation of each range, along the ray; 0: not "
+                               "stated. Older logs lack it\n"};
 
 const RecordKind kOperatorFrame = {.topic = "/operator",
                                    .name = "isobath/msg/OperatorFrame",

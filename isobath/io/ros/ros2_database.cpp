@@ -146,8 +146,12 @@ bool looks_like_ros2_database(Bytes head) {
   return std::ranges::count(tables, "topics") > 0 && std::ranges::count(tables, "messages") > 0;
 }
 
+std::unique_ptr<RosRecording> open_ros2_recording(const std::filesystem::path& file) {
+  return std::make_unique<Ros2Database>(file);
+}
+
 std::unique_ptr<Source> open_ros2_database(const std::filesystem::path& file, const InputConfig& config) {
-  return ros_events(std::make_unique<Ros2Database>(file), config);
+  return ros_events(open_ros2_recording(file), config);
 }
 
 }  // namespace isobath

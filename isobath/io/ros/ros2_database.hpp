@@ -20,6 +20,7 @@ bool looks_like_ros2_database(Bytes head);
 /// it.
 std::vector<std::string> sqlite_tables(std::string_view head);
 
+std::unique_ptr<RosRecording> open_ros2_recording(const std::filesystem::path& file);
 std::unique_ptr<Source> open_ros2_database(const std::filesystem::path& file, const InputConfig& config);
 
 }  // namespace isobath

@@ -38,6 +38,8 @@ constexpr std::array kKnown{
     NamedDefinition{"sensor_msgs/Image",
                     "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\nuint32 "
                     "step\nuint8[] data\n" ISOBATH_ROS_HEADER},
+    NamedDefinition{"sensor_msgs/CompressedImage",
+                    "std_msgs/Header header\nstring format\nuint8[] data\n" ISOBATH_ROS_HEADER},
     NamedDefinition{"sensor_msgs/Imu",
                     "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] "
                     "orientation_covariance\ngeometry_msgs/Vector3 angular_velocity\nfloat64[9] "

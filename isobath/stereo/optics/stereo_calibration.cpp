@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <isobath/geometry/pose.hpp>
-#include <isobath/stereo/stereo_calibration.hpp>
+#include <isobath/stereo/optics/stereo_calibration.hpp>
 #include <map>
 
 namespace isobath {
@@ -150,6 +149,11 @@ StereoCalibration from_opencv(const Matrices& m, const std::string& file) {
 }
 
 }  // namespace
+
+Pose StereoCalibration::X_LR() const {
+  if (moves) return {Rotation::from_matrix(R_AB), p_AB};
+  return Pose{Rotation::from_matrix(R_RL), p_RL}.inverse();
+}
 
 StereoCalibration read_stereo_calibration(std::span<const std::filesystem::path> files) {
   ISOBATH_ASSERT(!files.empty());

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <isobath/base/config.hpp>
+#include <isobath/geometry/pose.hpp>
 #include <isobath/stereo/optics/camera_model.hpp>
 #include <isobath/stereo/optics/flat_port.hpp>
 #include <isobath/stereo/optics/water_light.hpp>
@@ -35,6 +36,8 @@ struct StereoCalibration {
   bool moves = false;                ///< one camera, left, that moves by `motion` from the first picture to the second
   Eigen::Vector3d p_AB = {0, 0, 0};  ///< origin of the second camera in the first, m
   Eigen::Matrix3d R_AB = Eigen::Matrix3d::Identity();
+  /// The pose of the right camera in the left one; if the camera moves, that of the second picture in the first.
+  [[nodiscard]] Pose X_LR() const;
   RectifiedPair rectified;  ///< if its focal length is not 0, the pair is rectified already
 };
 
