@@ -107,6 +107,7 @@ void AutopilotLink::on_heartbeat(const MavlinkFrame& frame, Time time) {
   const std::lock_guard lock(mutex_);
   heard_ = time;
   heartbeat_ = beat;
+  system_ = frame.system;
 }
 
 void AutopilotLink::on_timesync(const TimeSync& sync, Time time) {
@@ -233,7 +234,7 @@ void AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     target.vz = static_cast<float>(limited_to(config_.depth_gain * depth_error, rate));
     target.yaw = static_cast<float>(setpoint.heading.wrapped().radians());
     target.boot_ms = milliseconds(answers.time_since_epoch() + *boot_);
-    target.system = vehicle_.system().value_or(1);
+    target.system = system_;
   }
   hub_->post([this, body = target.body()] { send(VelocityTarget::kId, body); });
 }

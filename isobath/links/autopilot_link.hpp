@@ -105,6 +105,7 @@ class AutopilotLink final : public ByteReceiver {
   bool wants_mission_ = false;
   std::optional<AutopilotPlan> plan_;
   std::string mission_problem_;
+  std::uint8_t system_ = 1;    ///< of the vehicle
   std::optional<Time> heard_;  ///< its last heartbeat
   mavlink::Heartbeat heartbeat_;
   std::optional<GeoOrigin> origin_;

@@ -2,8 +2,10 @@
 // through it by what is tested. A pull falls on a random byte of what is sent.
 #pragma once
 
+#include <atomic>
 #include <isobath/base/random.hpp>
 #include <isobath/links/link_hub.hpp>
+#include <optional>
 #include <vector>
 
 namespace isobath {
@@ -42,7 +44,8 @@ class StandInLink {
   UnplugConfig config_;
   Random random_;
   ByteLink* link_ = nullptr;
-  int left_ = 0, pulled_ = 0;
+  int left_ = 0;
+  std::atomic<int> pulled_{0};
   std::optional<Time> due_;
 };
 

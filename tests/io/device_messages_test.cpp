@@ -123,7 +123,8 @@ TEST(Ping360Commands, RangeAndSectorBecomeTheUnitsOfTheHead) {
   EXPECT_EQ(s.stop_grad, 67);
   EXPECT_NEAR(1500 * s.sample_period * 25e-9 * s.samples / 2, 20, 0.01);
   // A range that would need samples below 2 us has fewer of them.
-  const Ping360Settings near = ping360_settings({.sector = Angle::degrees(360), .range_m = 0.9, .samples = 1200});
+  const Ping360Settings near = ping360_settings(
+      {.middle = Angle{}, .sector = Angle::degrees(360), .step = Angle{}, .range_m = 0.9, .samples = 1200});
   EXPECT_EQ(near.sample_period, 80);
   EXPECT_NEAR(1500 * near.sample_period * 25e-9 * near.samples / 2, 0.9, 0.01);
   EXPECT_EQ(near.start_grad, 0);

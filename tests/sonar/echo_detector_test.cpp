@@ -236,6 +236,27 @@ TEST(LearntThresholds, KeepTheRateUnderEachLaw) {
   }
 }
 
+// A scanning head whose bins are twenty times shorter than a cell has a twentieth of the rate in each, but only where
+// the method is left open.
+// ledger: S6-06
+TEST(LearntThresholds, ShareTheRateOfACellAmongTheShortBinsOfAHead) {
+  Random random(22);
+  const auto background = test::rayleigh(20);
+  const auto noise = [&](int, int) { return background(random); };
+  EchoDetectorConfig config = plain_learnt();
+  config.method = DetectionMethod::kAutomatic;
+  const Trial head{.beams = 1, .learn = 400, .judge = 1000};
+  EchoDetector shared(config);
+  const double rate = head.rate<float>(shared, noise);
+  EXPECT_NEAR(rate, 0.02 * 0.05, 0.0006);
+  EXPECT_DOUBLE_EQ(shared.false_alarm(), 0.02 * 0.05) << "what the map is told";
+  config.false_alarm_m = 0;
+  EchoDetector each(config);
+  EXPECT_NEAR(head.rate<float>(each, noise), 0.02, 0.006);
+  EchoDetector named(plain_learnt());
+  EXPECT_NEAR(head.rate<float>(named, noise), 0.02, 0.006);
+}
+
 // ledger: S6-70
 TEST(LearntThresholds, FollowTheNoiseFromLakeToSea) {
   Random random(22);
