@@ -13,6 +13,7 @@ namespace {
 
 /// Whether the scene has a vertical fan: only then is the voxel map worth its time.
 bool tells_height(const Scene& scene) {
+  if (std::ranges::any_of(scene.cameras, &CameraPairConfig::on)) return true;
   return std::any_of(scene.sonars.begin(), scene.sonars.end(), [](const SonarConfig& sonar) {
     return sonar.on && sonar.kind == SonarKind::kFan && std::abs(sin(sonar.roll)) > std::sqrt(0.5);
   });

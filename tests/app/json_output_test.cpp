@@ -131,6 +131,10 @@ TEST_F(JsonOutput, OfRun) {
   compare("run", {"run", recording, "--mission", pandan, "--out", folder_ / "again"}, 1);
   compare("run", {"run", pandan, "--live", "--speed", "max", "--out", folder_ / "live", "--set", short_run}, 1);
   compare("run", {"run", scenario("operator_on_the_link"), "--out", folder_ / "link"});
+  compare(
+      "run",
+      {"run", scenario("cameras/station_by_cameras"), "--out", folder_ / "station", "--set", "simulation.duration_s=4"},
+      1);
   compare("run", {"run", scenario("charted_shoals"), "--out", folder_ / "shoals", "--map", folder_ / "map"});
   compare("run",
           {"run", scenario("crossing_traffic"), "--out", folder_ / "traffic", "--set", "simulation.duration_s=14"});

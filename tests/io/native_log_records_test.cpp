@@ -164,8 +164,8 @@ TEST(NativeLogRecords, Swath) {
   swath.beam_width = Angle::radians(0.25);
   swath.sound_speed = 1500;
   swath.beam_height = Angle::radians(0.5);
-  swath.soundings = {{{1, 2, 3}, 4, 0.5f, 0x0102, Sounding::Kind::kBottom},
-                     {{-1, -2, -3}, 5, 0.25f, 0x0304, Sounding::Kind::kWater}};
+  swath.soundings = {{{1, 2, 3}, 4, 0.5f, 0x0102, Sounding::Kind::kBottom, 0.5f},
+                     {{-1, -2, -3}, 5, 0.25f, 0x0304, Sounding::Kind::kWater, 0.25f}};
   const std::string rest =
       "00x6 D0 3F 00x5 70 97 40 "       // beam_width 0.25, sound_speed 1500
       "02 00x3 00x2 80 3F 00x2 80 BF "  // x 1, -1
@@ -175,7 +175,8 @@ TEST(NativeLogRecords, Swath) {
       "02 00x3 00x3 3F 00x2 80 3E "     // sigma 0.5, 0.25
       "02 00x3 02 01 04 03 "            // beam
       "02 00x3 00 01 "                  // kind: bottom, water
-      "00x6 00x6 E0 3F";                // beam_height 0.5
+      "00x6 00x6 E0 3F "                // beam_height 0.5
+      "02 00x3 00x3 3F 00x2 80 3E";     // sigma_range 0.5, 0.25
   expect_record(stored_event(swath), "/swath", "isobath/msg/Swath",
                 hex(kHeadAndTime + "01 00x3 00x4 " + rest));  // frame level, heading that of the pose
   swath.heading = Angle::radians(1.5);
@@ -279,7 +280,7 @@ TEST(NativeLogRecords, DefinitionsOfAllKinds) {
   const std::map<std::string, std::uint32_t> stated = {
       {"isobath/msg/Ping", 0x4ddfaf70},           {"isobath/msg/Navigation", 0x91d98934},
       {"isobath/msg/RangeReading", 0x1993bb3d},   {"isobath/msg/Health", 0x09da48a1},
-      {"isobath/msg/Swath", 0xdf1dd533},          {"isobath/msg/OperatorFrame", 0xf0f42c71},
+      {"isobath/msg/Swath", 0x4263c83b},          {"isobath/msg/OperatorFrame", 0xf0f42c71},
       {"isobath/msg/PassiveBearing", 0xf9bfb52f}, {"isobath/msg/TrueMotion", 0xd6a1f079},
       {"isobath/msg/EchoTruth", 0xb2f4c192},      {"isobath/msg/Setpoint", 0x10547a1a},
       {"isobath/msg/Decision", 0x63bf8db5}};

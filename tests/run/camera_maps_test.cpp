@@ -20,14 +20,12 @@ class Maps : public OnboardObserver {
   std::shared_ptr<const DepthSnapshot> depths;
   std::vector<ColumnTop> tops;
   double voxel_m = 0;
-  std::shared_ptr<const GridSnapshot> sphere;
   void on_mapped(Time time, const Pipeline&, const DepthModel& model, const VoxelModel& voxels) override {
     if (to_seconds(time) < kUntil_s - 0.01) return;
     depths = model.snapshot();
     tops = voxels.tops();
-    voxel_m = voxels.map()->voxel_m();
+    if (voxels.map()) voxel_m = voxels.map()->voxel_m();
   }
-  void on_sphere(Time, const std::shared_ptr<const GridSnapshot>& grid) override { sphere = grid; }
   static constexpr double kUntil_s = 20;
 };
 

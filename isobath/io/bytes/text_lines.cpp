@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t kTextAtHand = 1 << 16;
 constexpr std::size_t kMaxLine = 1 << 20;
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool is_white_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 }  // namespace
 
@@ -46,8 +46,8 @@ bool looks_like_text(Bytes head) {
 }
 
 std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  while (!text.empty() && is_white_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_white_space(text.back())) text.remove_suffix(1);
   return text;
 }
 
@@ -80,13 +80,13 @@ int TextRow::samples(std::byte* out, int capacity) {
   int count = 0;
   if (at_end_) return 0;
   for (;; ++at) {  // after a separator
-    while (at < end && is_blank(*at)) ++at;
+    while (at < end && is_white_space(*at)) ++at;
     std::uint8_t value = 0;
     const auto [after, failed] = std::from_chars(at, end, value);
     if (failed != std::errc() || count == capacity) return -1;
     out[count++] = std::byte{value};
     at = after;
-    while (at < end && is_blank(*at)) ++at;
+    while (at < end && is_white_space(*at)) ++at;
     if (at == end) break;
     if (*at != separator_) return -1;
   }
