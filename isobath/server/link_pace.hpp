@@ -27,6 +27,8 @@ class LinkPace {
   void on_sent(std::uint64_t frame, std::size_t bytes, Clock::time_point now);
   /// The page has shown this frame, and all before it.
   void on_seen(std::uint64_t frame, Clock::time_point now);
+  /// More would be sent if the window were larger.
+  void want_more() { full_ = true; }
   /// Bytes that may be sent now; 0: wait for the page.
   [[nodiscard]] std::size_t room() const { return on_the_way_ < window_ ? window_ - on_the_way_ : 0; }
   [[nodiscard]] std::size_t window() const { return window_; }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/server/page_session.hpp>
+#include <isobath/server/thinned_echoes.hpp>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -371,6 +372,11 @@ void PageSession::next_batch() {
     stamp = changes.stamp;
     p.batch_is_voxels = voxels;
     if (!voxels && changes.whole && !std::exchange(p.bulky_afresh, false)) forget_ = true;
+  }
+  if (live_ && runs()) {  // else no newer ping would replace a thinned one
+    ThinnedEchoes thin = thinned_echoes(changes.records, p.link.window() / 2);
+    changes.records = std::move(thin.records);
+    if (thin.thinned) p.link.want_more();
   }
   p.batch_s = session_s();
   p.batch_more = changes.more;

@@ -35,7 +35,7 @@ const watch = (page, seconds) =>
     for (const end = Date.now() + last * 1000; Date.now() < end; await new Promise((r) => setTimeout(r, 100))) {
       const now = Number(document.querySelector('#timeline').getAttribute('aria-valuenow'));
       const live = [text('#connection'), text('#live')].some((words) => /LIVE/.test(words));
-      seen.push({ ms: Date.now(), now, said: text('#connection'), live, dim: document.body.classList.contains('stale') });
+      seen.push({ ms: Date.now(), now, said: text('#connection'), live, sonar: text('#sonar-age'), dim: document.body.classList.contains('stale') });
     }
     return seen;
   }, seconds);
@@ -55,7 +55,7 @@ for (const [name, run] of scenes.slice(0, process.env.ISOBATH_WATCH ? 2 : 1)) {
     const worst = Math.max(...ages);
     const falselyLive = seen.filter(({ live }, i) => live && ages[i] > 1);
     const words = `worst ${worst.toFixed(2)} s; live ${seen.filter(({ live }) => live).length} of ${seen.length}`;
-    if (process.env.ISOBATH_WATCH) console.log(name, words, ages.map((a) => a.toFixed(1)).join(' '), seen.map(({said}) => said).join(' | '));
+    if (process.env.ISOBATH_WATCH) console.log(name, words, ages.map((a) => a.toFixed(1)).join(' '), seen.map(({ said }) => said).join(' | '), seen.map(({ sonar }) => sonar).join(' | '));
     assert.deepEqual(falselyLive, [], words);
     assert.ok(worst < 2, words);
     for (const { said, dim } of seen) assert.equal(dim, !/LIVE/.test(said), said);

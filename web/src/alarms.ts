@@ -52,6 +52,7 @@ export class Alarms implements View {
     say(this.text, this.lines.map((line) => `▲ ${line}`).join('   '));
     mark(this.banner, 'seen', String(unseen.length === 0));
     this.seenButton.hidden = unseen.length === 0 || !present;
+    this.soundButton.hidden = !present;
     say(this.soundButton, this.sounds ? (this.blocked ? 'Sound is blocked: press' : 'Sound on') : 'Sound off');
     this.soundButton.setAttribute('aria-pressed', String(this.sounds));
     const calls = unseen.length > 0 && present;

@@ -155,22 +155,29 @@ export function readEchoes(p: DataView, first: number): Echoes | null {
   if (p.byteLength < 48) return null;
   const beams = p.getUint16(0, true);
   const bins = p.getUint16(2, true);
-  const samples = beams * bins;
+  // On a slow link a sample stands for several beams and bins.
+  const beamsEach = p.getUint8(4) || 1;
+  const binsEach = p.getUint8(5) || 1;
+  const columns = Math.ceil(bins / binsEach);
+  const samples = Math.ceil(beams / beamsEach) * columns;
   const bits = padded(48 + samples);
   if (samples === 0 || p.byteLength < bits + Math.ceil(samples / 8)) return null;
   const f = (i: number) => p.getFloat32(32 + 4 * i, true);
   const place: Point3 = [p.getFloat64(8, true), p.getFloat64(16, true), p.getFloat64(24, true)];
   const rotation = [f(0), f(1), f(2), f(3)] as const;
   if (![...place, ...rotation].every(Number.isFinite)) return null;
-  return {
-    first,
-    beams,
-    bins,
-    place,
-    rotation,
-    intensity: new Uint8Array(p.buffer, p.byteOffset + 48, samples),
-    decided: new Uint8Array(p.buffer, p.byteOffset + bits, Math.ceil(samples / 8)),
-  };
+  const intensity = new Uint8Array(p.buffer, p.byteOffset + 48, samples);
+  const decided = new Uint8Array(p.buffer, p.byteOffset + bits, Math.ceil(samples / 8));
+  const whole = { first, beams, bins, place, rotation };
+  if (beamsEach === 1 && binsEach === 1) return { ...whole, intensity, decided };
+  const all = new Uint8Array(beams * bins);
+  const hits = new Uint8Array(Math.ceil(all.length / 8));
+  for (let i = 0; i < all.length; ++i) {
+    const from = Math.floor(Math.floor(i / bins) / beamsEach) * columns + Math.floor((i % bins) / binsEach);
+    all[i] = intensity[from]!;
+    hits[i >> 3]! |= ((decided[from >> 3]! >> (from & 7)) & 1) << (i & 7);
+  }
+  return { ...whole, intensity: all, decided: hits };
 }
 
 export interface Grid {

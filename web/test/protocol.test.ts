@@ -147,6 +147,24 @@ describe('payloads', () => {
     expect(protocol.readVehicle(view(bytes))).toBeNull();
   });
 
+  it('echoes of a slow link, where a sample stands for several beams and bins', () => {
+    const bytes = encode.echoesBytes({
+      beams: 2,
+      bins: 2,
+      place: [1, 2, 3],
+      rotation: [1, 0, 0, 0],
+      intensity: Uint8Array.from([10, 20, 30, 40]),
+      decided: Uint8Array.from([0, 1, 0, 0]),
+    });
+    new DataView(bytes.buffer).setUint16(0, 3, true);
+    new DataView(bytes.buffer).setUint16(2, 5, true);
+    bytes.set([2, 3], 4);
+    const echoes = protocol.readEchoes(view(bytes), 0)!;
+    expect(echoes).toMatchObject({ beams: 3, bins: 5 });
+    expect([...echoes.intensity]).toEqual([10, 10, 10, 20, 20, 10, 10, 10, 20, 20, 30, 30, 30, 40, 40]);
+    expect([...echoes.decided]).toEqual([0b00011000, 0b00000011]);
+  });
+
   it('echoes, with the bits of what was decided after the next multiple of 8', () => {
     const intensity = Uint8Array.from({ length: 15 }, (_, i) => 10 + i);
     const decided = Uint8Array.from({ length: 15 }, (_, i) => (i === 0 || i === 9 || i === 14 ? 1 : 0));
