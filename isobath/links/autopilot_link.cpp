@@ -18,7 +18,7 @@ std::uint32_t milliseconds(Duration since) {
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
 }
 
-const char* text_of(Authority authority) {
+const char* words_for(Authority authority) {
   switch (authority) {
     case Authority::kNoAutopilot: return "no autopilot";
     case Authority::kDisarmed: return "waits: disarmed";
@@ -198,7 +198,7 @@ void AutopilotLink::on_tick(Time now) {
       report_health(now);
     }
     const Authority held = authority_at(now);
-    if (std::exchange(told_, held) != held) news = std::string("Isobath ") + text_of(held);
+    if (std::exchange(told_, held) != held) news = std::string("Isobath ") + words_for(held);
     if (wants_mission_ && !download_ && heard_) {
       download_.emplace(*vehicle_.system(), kAutopilotComponent,
                         [this](std::uint32_t id, const PayloadBytes& body) { send(id, body); });

@@ -49,7 +49,11 @@ VehicleFile load_vehicle_file(const std::string& file) { return parse_vehicle_fi
 
 std::string vehicle_file_template() {
   VehicleFile vehicle;
-  return write_template(schema_of(vehicle));
+  std::string text = write_template(schema_of(vehicle));
+  const std::string none = "link = \"\"",
+                    example = "link = \"udp:192.168.2.2:9092\"";  // of the device; it has no default
+  if (const std::size_t at = text.find(none); at != std::string::npos) text.replace(at, none.size(), example);
+  return text;
 }
 
 }  // namespace isobath

@@ -12,7 +12,7 @@ namespace {
 constexpr Duration kFireLasts = std::chrono::seconds(3);
 constexpr double kDown = 0.7;  // least z of an axis that looks down
 
-bool looks_down(const RangeReading& reading) { return (reading.X_BS.rotation * Eigen::Vector3d::UnitX()).z() > kDown; }
+bool points_down(const RangeReading& reading) { return (reading.X_BS.rotation * Eigen::Vector3d::UnitX()).z() > kDown; }
 
 class Ping360StandIn final : public DeviceStandIn {
  public:
@@ -96,7 +96,7 @@ class Ping1DStandIn final : public DeviceStandIn {
   }
   void on_event(const Event& event, Time /*now*/) override {
     const auto* reading = std::get_if<RangeReading>(&event);
-    if (!reading || !looks_down(*reading)) return;
+    if (!reading || !points_down(*reading)) return;
     const std::lock_guard lock(mutex_);
     newest_ = *reading;
   }
@@ -172,7 +172,7 @@ class DvlStandIn final : public DeviceStandIn {
   using DeviceStandIn::DeviceStandIn;
   void on_bytes(Bytes /*bytes*/, Time /*time*/) override {}
   void on_event(const Event& event, Time now) override {
-    if (const auto* reading = std::get_if<RangeReading>(&event); reading && looks_down(*reading)) {
+    if (const auto* reading = std::get_if<RangeReading>(&event); reading && points_down(*reading)) {
       altitude_m_ = reading->range_m.value_or(-1);
     }
     const auto* fix = std::get_if<Navigation>(&event);

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 using namespace test;
 using nlohmann::json;
 
-const char* const kScene = R"(
+const char* const kPostScene = R"(
 [scene]
 title = "A post on the way"
 duration_s = 200
@@ -59,7 +59,7 @@ std::vector<json> lines_of(const fs::path& file) {
 
 /// Starts the stand-ins at free ports, then `isobath aboard` with a vehicle file that names them.
 Joined join(const fs::path& folder, const std::string& stand_in, const std::string& aboard) {
-  std::string scene = kScene;
+  std::string scene = kPostScene;
   scene.replace(scene.find("VEHICLE"), 7, (source_folder() / "vehicles/bluerov2.toml").string());
   write(folder / "scene.toml", scene);
   const std::string script = R"(

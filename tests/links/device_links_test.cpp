@@ -57,8 +57,8 @@ upside_down = true
   const std::string twice = "[[device]]\nlink = \"udp:a:1\"\n[[device]]\nlink = \"udp:a:2\"\n";
   EXPECT_THAT(problem([&] { parse_vehicle_file(twice, "v.toml"); }), HasSubstr("two devices are called ping360"));
   EXPECT_THAT(problem([] { parse_vehicle_file("[mission]\nfrom = \"file\"\n", "v.toml"); }), HasSubstr("mission"));
-  EXPECT_EQ(parse_vehicle_file(vehicle_file_template(), "template").devices.size(), 0u)
-      << "the template describes a device, and adds none";
+  EXPECT_EQ(parse_vehicle_file(vehicle_file_template(), "template").devices.size(), 1u)
+      << "the template describes one device";
 }
 
 /// An autopilot that answers a MissionDownload as the mission protocol says, and loses every n-th message.

@@ -233,7 +233,7 @@ TEST(SimulatedLog, GivesTheSameScansAsTheSceneItCameFrom) {
             using T = std::decay_t<decltype(e)>;
             if constexpr (std::is_same_v<T, EchoTruth> || std::is_same_v<T, TrueMotion>) {
               log.write(e);
-            } else {
+            } else if constexpr (!std::is_same_v<T, CameraPair>) {  // pictures are not in logs
               EXPECT_TRUE(log.write(Event(e)));
             }
           },
