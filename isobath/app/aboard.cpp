@@ -113,7 +113,7 @@ void print_results(const AboardCommand& options, const RunOutcome& outcome) {
   }
   const AboardOutcome& aboard = *outcome.aboard;
   const StageTime& latency = aboard.ping_to_setpoint;
-  say(options, fmt::format("{} set-points sent, {} withheld for want of authority", aboard.setpoints, aboard.withheld));
+  say(options, fmt::format("{} set-points sent, {} withheld", aboard.setpoints, aboard.withheld));
   if (latency.count > 0) {
     say(options, fmt::format("from the last byte of a ping to the set-point: median {:.1f} ms, 99 % {:.1f} ms, worst "
                              "{:.1f} ms of {}",

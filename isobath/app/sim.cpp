@@ -8,6 +8,7 @@
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/io/frames/pair_writer.hpp>

@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include <isobath/standin/stand_ins.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace isobath::app {
 namespace {
@@ -38,14 +40,22 @@ std::vector<StandInRequest::Device> devices_of(const std::vector<std::string>& w
   return devices;
 }
 
+/// Seconds; NaN: the text is no number.
+double seconds_in(std::string_view text) {
+  double value = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return fault == std::errc() && end == text.data() + text.size() ? value : std::nan("");
+}
+
 /// "20-30": POSHOLD from 20 to 30 s.
 std::vector<PilotTurn> turns_of(const std::vector<std::string>& words) {
   std::vector<PilotTurn> turns;
-  for (const std::string& word : words) {
+  for (const std::string_view word : words) {
     const std::size_t at = word.find('-');
-    PilotTurn turn{std::atof(word.c_str()), at == std::string::npos ? 0 : std::atof(word.c_str() + at + 1)};
+    const bool whole = at != std::string_view::npos;
+    const PilotTurn turn{seconds_in(word.substr(0, at)), whole ? seconds_in(word.substr(at + 1)) : 0};
     if (!(turn.from_s >= 0 && turn.to_s > turn.from_s))
-      throw Error(word + ": not a span of time", {"--pilot"}, "20-30");
+      throw Error(fmt::format("{}: not a span of time", word), {"--pilot"}, "20-30");
     turns.push_back(turn);
   }
   return turns;
@@ -144,7 +154,8 @@ Action add_stand_in(CLI::App& program) {
       ->group("Output");
   add_example(*command, "stand-in scenarios/aboard.toml --device ping360=udp-server:9092");
   return [options] {
-    options->request.unplug.seed = static_cast<std::uint64_t>(options->request.simulation.seed + 1);
+    const int seed = options->request.simulation.seed;
+    options->request.unplug.seed = seed < 0 ? 1 : static_cast<std::uint64_t>(seed);
     return stand_in(*options);
   };
 }

@@ -12,6 +12,7 @@ using namespace mavlink;
 constexpr std::uint8_t kAutopilotComponent = 1;
 constexpr std::uint16_t kRequestMessage = 512;
 constexpr Duration kBeat = std::chrono::seconds(1), kSyncInterval = std::chrono::seconds(2);
+constexpr Duration kOldest = std::chrono::milliseconds(300);  // event that a set-point may still answer
 constexpr Duration kAskInterval = std::chrono::seconds(2);
 
 std::uint32_t milliseconds(Duration since) {
@@ -219,7 +220,8 @@ void AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
   VelocityTarget target;
   {
     const std::lock_guard lock(mutex_);
-    if (authority_at(now) != Authority::kOurs || !fix_ || !boot_) {
+    const bool stale = now - answers > kOldest;  // a run that is behind its devices: the autopilot stops by itself
+    if (authority_at(now) != Authority::kOurs || !fix_ || !boot_ || stale) {
       ++counts_.withheld;
       return;
     }

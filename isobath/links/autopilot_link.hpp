@@ -68,13 +68,14 @@ class AutopilotLink final : public ByteReceiver {
   /// Empty while it is being fetched. Throws Error if the autopilot does not give it.
   [[nodiscard]] std::optional<AutopilotPlan> mission() const;
 
-  /// Sends a set-point that answers an event of this time; drops it without authority.
+  /// Sends a set-point that answers an event of this time; withholds it without authority, and where the event is more
+  /// than 0.3 s old.
   void command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers);
   void say(int severity, const std::string& text);
   void show(const mavlink::ObstacleDistance& ring);
   void show_value(const std::string& name, double value);
   struct Counts {
-    std::uint64_t setpoints = 0, withheld = 0;  ///< sent; dropped for want of authority
+    std::uint64_t setpoints = 0, withheld = 0;  ///< sent; not sent
     std::uint64_t damaged = 0;                  ///< stretches of bytes that were no frame
   };
   [[nodiscard]] Counts counts() const;

@@ -311,7 +311,7 @@ void PageSession::add_clock(std::string& out, Time now) {
 }
 
 WebFrame PageSession::next_paced() {
-  Paced& p = *paced_;
+  PacedPage& p = *paced_;
   if (p.link.room() == 0) return {};
   const bool slow = p.link.window() < SharedChanges::kPieceBytes;
   if (slow && !p.packs) p.urgent_stamp = p.bulky_stamp = stamp_;
@@ -325,7 +325,7 @@ WebFrame PageSession::next_paced() {
 }
 
 WebFrame PageSession::next_packed() {
-  Paced& p = *paced_;
+  PacedPage& p = *paced_;
   if (!live_) try_to_show_recording();
   const DisplayState& items = live_ ? sources_.live->items() : shown_;
   const std::size_t piece =
@@ -362,7 +362,7 @@ WebFrame PageSession::next_packed() {
 
 /// What is bulky and new, as much as the link carries soon. Voxels have every second turn.
 void PageSession::next_batch() {
-  Paced& p = *paced_;
+  PacedPage& p = *paced_;
   const DisplayState& items = live_ ? sources_.live->items() : shown_;
   DisplayState::Changes changes;
   bool voxels = voxels_ && !p.batch_is_voxels;

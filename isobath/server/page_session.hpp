@@ -58,6 +58,20 @@ struct PageSources {
 /// Throws Error if the sources are incomplete or the token is too short.
 void check_page_sources(const PageSources& sources);
 
+/// What a session keeps of a page whose link is paced (link_pace.hpp).
+struct PacedPage {
+  LinkPace link;
+  std::chrono::steady_clock::time_point opened, clock_sent;
+  std::uint64_t frame = 0, clock_frame = 0;  ///< numbers of the last frame, and of the last with a clock
+  bool packs = true;                         ///< the link is slow
+  std::uint64_t urgent_stamp = 0, bulky_stamp = 0;
+  PackedRecords batch{PackedRecords::Channel::kBulky, {}};  ///< bulky records that are being sent
+  double batch_s = 0;                                       ///< when they were made
+  bool batch_more = false, batch_is_voxels = false, bulky_afresh = false;
+  double urgent_s = -1, bulky_s = -1;  ///< the page has all changes up to these times of the session
+  double seen = -1, seen_s = 0;        ///< the frame that the page has shown, and when it told so
+};
+
 class PageSession final : public WebSession {
  public:
   static constexpr int kMaxAnswers = 8, kWrongTokens = 3, kMaxRefusals = 30;
@@ -124,19 +138,7 @@ class PageSession final : public WebSession {
   bool voxels_next_ = false;        ///< the next frame is one of voxels
   bool forget_ = false;             ///< the page must drop its items: it shows another source now
 
-  struct Paced {
-    LinkPace link;
-    Clock::time_point opened, clock_sent;
-    std::uint64_t frame = 0, clock_frame = 0;  ///< numbers of the last frame, and of the last with a clock
-    bool packs = true;                         ///< the link is slow
-    std::uint64_t urgent_stamp = 0, bulky_stamp = 0;
-    PackedRecords batch{PackedRecords::Channel::kBulky, {}};  ///< bulky records that are being sent
-    double batch_s = 0;                                       ///< when they were made
-    bool batch_more = false, batch_is_voxels = false, bulky_afresh = false;
-    double urgent_s = -1, bulky_s = -1;  ///< the page has all changes up to these times of the session
-    double seen = -1, seen_s = 0;        ///< the frame that the page has shown, and when it told so
-  };
-  std::optional<Paced> paced_;
+  std::optional<PacedPage> paced_;
 
   std::vector<std::string> answers_;
   std::string said_clock_;

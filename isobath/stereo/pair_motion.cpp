@@ -69,7 +69,9 @@ class MotionSearch {
     const int n = config_.reach_px, side = 2 * n + 1;
     const int x0 = static_cast<int>(std::lround(at.x())) - n, y0 = static_cast<int>(std::lround(at.y())) - n;
     std::vector<double> score(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), -1);
-    const auto score_at = [&](int i, int j) -> double& { return score[static_cast<std::size_t>(j * side + i)]; };
+    const auto score_at = [&](int i, int j) -> double& {
+      return score[static_cast<std::size_t>(j) * static_cast<std::size_t>(side) + static_cast<std::size_t>(i)];
+    };
     Patch patch;
     int bi = 0, bj = 0;
     for (int j = 0; j < side; ++j) {
