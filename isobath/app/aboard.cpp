@@ -202,7 +202,7 @@ Action add_aboard(CLI::App& program) {
   command->add_flag("--dry-run", options->dry_run, "Hear and decide, but command nothing")->group("Run");
   command->add_flag("--until-done", options->until_done, "End when the mission is over")->group("Run");
   command->add_option("--speed", options->speed, "How many times as fast as the clock the devices run; for stand-ins")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(number(0.1, 100.0))
       ->capture_default_str()
       ->group("Run");
   command->add_flag("--no-page", options->no_page, "Do not serve the live page")->group("Page");

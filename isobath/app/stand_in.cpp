@@ -133,7 +133,7 @@ Action add_stand_in(CLI::App& program) {
       ->capture_default_str()
       ->group("Links");
   command->add_option("--speed", request.speed, "How many times as fast as the clock it runs")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(number(0.1, 100.0))
       ->capture_default_str()
       ->group("Run");
   command->add_option("--seed", request.simulation.seed, "Seed of the scene; -1: its own")
@@ -143,7 +143,7 @@ Action add_stand_in(CLI::App& program) {
   command
       ->add_option("--guided-after", request.guided_after_s,
                    "The pilot arms and chooses GUIDED so many seconds after a companion is heard")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(number(0.0, 3600.0))
       ->capture_default_str()
       ->group("Run");
   command->add_option("--pilot", options->pilot, "The pilot takes over, s after GUIDED was chosen, such as 20-30")
@@ -153,6 +153,7 @@ Action add_stand_in(CLI::App& program) {
   command->add_flag("--json", options->json, "JSON on standard output: a line at the start, another at the end")
       ->group("Output");
   add_example(*command, "stand-in scenarios/aboard.toml --device ping360=udp-server:9092");
+  add_example(*command, "stand-in scenarios/aboard.toml --autopilot udp-server:0 --pilot 20-30 --speed 4");
   return [options] {
     const int seed = options->request.simulation.seed;
     options->request.unplug.seed = seed < 0 ? 1 : static_cast<std::uint64_t>(seed);

@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <isobath/display/display_state.hpp>
-#include <isobath/mission/messages/messages.hpp>
 #include <isobath/recording/recorded_playback.hpp>
 #include <isobath/run/run_request.hpp>
 #include <isobath/server/page_site.hpp>

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <isobath/links/link_source.hpp>
+#include <utility>
 
 namespace isobath {
 

@@ -15,6 +15,7 @@ struct UnplugConfig {
   double mean_s = 5;     ///< between the end of a pull and the next
   double longest_s = 2;  ///< a link is out for 0.2 s to this
   std::uint64_t seed = 1;
+  double speed = 1;  ///< of the clock, times real time
 };
 
 class StandInLink {
@@ -33,7 +34,7 @@ class StandInLink {
     bytes.resize(static_cast<std::size_t>(random_.uniform() * static_cast<double>(bytes.size())));
     if (!bytes.empty()) link_->send(std::move(bytes));
     const double lasts_s = 0.2 + random_.uniform() * (config_.longest_s - 0.2);
-    link_->cut(std::chrono::milliseconds(static_cast<int>(1000 * lasts_s)));
+    link_->cut(std::chrono::milliseconds(static_cast<int>(1000 * lasts_s / config_.speed)));
     due_ = now + seconds(lasts_s) + wait();
   }
   [[nodiscard]] int pulled() const { return pulled_; }

@@ -11,6 +11,11 @@ constexpr std::uint16_t kWaypoint = 16, kChangeSpeed = 178, kPolygonIn = 5001;
 
 std::int32_t to_e7(double degrees) { return static_cast<std::int32_t>(std::lround(degrees * 1e7)); }
 
+StandInRequest paced(StandInRequest request) {
+  request.unplug.speed = request.speed;
+  return request;
+}
+
 GeoOrigin known_origin(const Scenario& scenario) {
   const auto origin = scenario.scene.origin();
   if (!origin)
@@ -56,17 +61,17 @@ AutopilotPlan autopilot_plan(const MissionPlan& plan, const GeoOrigin& origin) {
 }
 
 StandIns::StandIns(const Scenario& scenario, const StandInRequest& request)
-    : request_(request),
+    : request_(paced(request)),
       source_(scenario.scene, request.simulation),
       truth_(source_.simulator()),
       hub_(request.speed),
       autopilot_(autopilot_plan(scenario.mission, known_origin(scenario)), known_origin(scenario),
-                 request.guided_after_s, request.turns, request.unplug) {
+                 request.guided_after_s, request.turns, request_.unplug) {
   source_.tell_truth_to(truth_);
   autopilot_.use(hub_, hub_.add(link_address_of(request.autopilot, "--autopilot"), autopilot_));
   std::uint64_t stream = 1;
   for (const StandInRequest::Device& device : request.devices) {
-    auto& made = *devices_.emplace_back(make_device_stand_in(device.kind, request.unplug, stream++));
+    auto& made = *devices_.emplace_back(make_device_stand_in(device.kind, request_.unplug, stream++));
     made.use(hub_, hub_.add(link_address_of(device.link, "--device"), made));
   }
   hub_.start();

@@ -31,7 +31,7 @@ struct StandInRequest {
   double speed = 1;  ///< times real time
   double guided_after_s = 2;
   std::vector<PilotTurn> turns;
-  UnplugConfig unplug;
+  UnplugConfig unplug;  ///< its speed is that of the request
 };
 
 class StandIns {

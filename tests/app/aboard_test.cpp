@@ -62,6 +62,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
   std::string scene = kPostScene;
   scene.replace(scene.find("VEHICLE"), 7, (source_folder() / "vehicles/bluerov2.toml").string());
   write(folder / "scene.toml", scene);
+  write(folder / "ping360.toml", content_of(source_folder() / "examples/aboard/ping360.toml"));
   const std::string script = R"(
     cd "$1"
     timeout 120 "$0" stand-in scene.toml --json --speed 4 --autopilot udp-server:0 --device ping360=udp-server:0 \
@@ -71,7 +72,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
     port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
     printf '[autopilot]\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n' \
       $(port autopilot) $(port ping360) $(port ping1d) > vehicle.toml
-    timeout 100 "$0" aboard vehicle.toml --json --speed 4 --until-done --no-page --out out )" +
+    timeout 100 "$0" aboard vehicle.toml --json --speed 4 --until-done --no-page --out out --config ping360.toml )" +
                              aboard + R"( > aboard.jsonl
     code=$?
     kill -INT $stand_in; wait $stand_in

@@ -128,7 +128,7 @@ TEST(AboardLinks, SteerOnlyWhileTheVehicleIsArmedAndInGuided) {
 
 TEST(AboardLinks, AreFoundAgainAfterEachPull) {
   StandInRequest request = with({{DeviceKind::kPing360, "udp-server:0"}, {DeviceKind::kDvlA50, "tcp-server:0"}});
-  request.unplug = {.times = 4, .mean_s = 2, .longest_s = 0.4, .seed = 3};
+  request.unplug = {.times = 4, .mean_s = 2, .longest_s = 2, .seed = 3};
   Joined joined(request, kPing360 + kDvl);
   int pings = 0, fixes = 0;
   const auto pulled = [&] {
