@@ -3,8 +3,8 @@
 //
 // A pair of cameras is read as a Swath and not as range readings, because a swath is what the maps take from a sensor
 // that resolves elevation: voxels, body grid, spherical grid and depth map, each sounding with the standard deviation
-// of its range. Range readings reach neither voxels nor obstacles, and each direction would count as a sensor of its
-// own.
+// of its range. Range readings would not do: voxels and obstacles take none, and the run would count each direction as
+// one more sensor.
 //
 // The first pair that shows something is matched when the source is opened: a calibration of another size or of other
 // cameras, and exchanged eyes, are Errors then. Later pairs without ranges are counted by reason.

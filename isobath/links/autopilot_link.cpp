@@ -60,7 +60,7 @@ void AutopilotLink::on_bytes(Bytes bytes, Time time) {
   const std::lock_guard lock(mutex_);
   counts_.damaged += report_.bytes_skipped > 0 ? 1 : 0;
   if (report_.bytes_skipped > 0) events_.refuse("autopilot: bytes that are no frame");
-  for (const auto& [reason, count] : report_.rejected) events_.refuse("autopilot: " + reason);
+  for (const auto& [reason, count] : report_.rejected) events_.refuse("autopilot: " + reason, count);
   report_.rejected.clear();
   report_.damages.clear();
   report_.bytes_skipped = 0;
@@ -215,7 +215,7 @@ void AutopilotLink::on_tick(Time now) {
   }
 }
 
-void AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers) {
+bool AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers) {
   const Time now = hub_->now();
   VelocityTarget target;
   {
@@ -223,9 +223,9 @@ void AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     const bool stale = now - answers > kOldest;  // a run that is behind its devices: the autopilot stops by itself
     if (authority_at(now) != Authority::kOurs || !fix_ || !boot_ || stale) {
       ++counts_.withheld;
-      return;
+      return false;
     }
-    if (now - setpoint_ < kSetpointInterval) return;
+    if (now - setpoint_ < kSetpointInterval) return false;
     setpoint_ = now;
     ++counts_.setpoints;
     const double rate = std::min(config_.max_dive_rate, limits.limits.max_climb_rate);
@@ -239,6 +239,7 @@ void AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     target.system = system_;
   }
   hub_->post([this, body = target.body()] { send(VelocityTarget::kId, body); });
+  return true;
 }
 
 void AutopilotLink::say(int severity, const std::string& text) {

@@ -9,8 +9,8 @@
 // yaw) with each set-point, at most every 50 ms, OBSTACLE_DISTANCE, STATUSTEXT, NAMED_VALUE_FLOAT. A set-point carries
 // the time of the event that it answers, in the autopilot's own time.
 //
-// Authority: set-points go out only while the autopilot is armed and in GUIDED. It is never armed from here, and its
-// mode is never set: whoever holds the autopilot's controls gives and takes authority, and STATUSTEXT says which.
+// Authority: set-points go out only while the autopilot is armed and in GUIDED. This class never arms
+// it and never sets its mode: the pilot gives and takes authority, and STATUSTEXT tells each change.
 //
 // Velocity down: depth_gain times the error of the depth, within the vehicle's rates. All calls of ByteReceiver come
 // from the thread of the links; the others may come from any thread. ArduSub itself was not run against this.
@@ -69,8 +69,8 @@ class AutopilotLink final : public ByteReceiver {
   [[nodiscard]] std::optional<AutopilotPlan> mission() const;
 
   /// Sends a set-point that answers an event of this time; withholds it without authority, and where the event is more
-  /// than 0.3 s old.
-  void command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers);
+  /// than 0.3 s old. Returns whether it was sent.
+  bool command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers);
   void say(int severity, const std::string& text);
   void show(const mavlink::ObstacleDistance& ring);
   void show_value(const std::string& name, double value);

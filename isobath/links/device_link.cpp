@@ -21,9 +21,8 @@ void DeviceLink::give(Event event, Time arrival) {
 }
 
 void DeviceLink::tell(SourceReport& report) {
-  for (const auto& [reason, count] : report.rejected) {
-    for (std::uint64_t i = 0; i < count; ++i) events_.refuse(fmt::format("{}: {}", config_.called(), reason));
-  }
+  for (const auto& [reason, count] : report.rejected)
+    events_.refuse(fmt::format("{}: {}", config_.called(), reason), count);
   if (report.bytes_skipped > 0) events_.refuse(fmt::format("{}: bytes that are no message", config_.called()));
   for (const auto& [key, value] : report.details) events_.note(fmt::format("{}, {}", config_.called(), key), value);
   report = SourceReport{};

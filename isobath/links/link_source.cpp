@@ -35,9 +35,9 @@ void LinkSource::note(const std::string& key, const std::string& value) {
   changed_ = true;
 }
 
-void LinkSource::refuse(const std::string& reason) {
+void LinkSource::refuse(const std::string& reason, std::uint64_t count) {
   const std::lock_guard lock(mutex_);
-  ++report_.rejected[reason];
+  report_.rejected[reason] += count;
   changed_ = true;
 }
 

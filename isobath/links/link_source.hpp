@@ -27,7 +27,7 @@ class LinkSource final : public Source {
   void give(Event event, std::optional<Time> arrival = {});
   void locate(const GeoOrigin& origin);
   void note(const std::string& key, const std::string& value);
-  void refuse(const std::string& reason);
+  void refuse(const std::string& reason, std::uint64_t count = 1);
   /// From any thread.
   void end();
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/links/mission_download.hpp>
@@ -41,23 +42,25 @@ PlanJson item_json(const MissionItem& item) {
 
 PlanJson fence_json(const std::vector<MissionItem>& items) {
   PlanJson polygons = PlanJson::array(), circles = PlanJson::array();
-  for (std::size_t i = 0; i < items.size(); ++i) {
+  for (std::size_t i = 0; i < items.size();) {
     const MissionItem& item = items[i];
     const bool inside = item.command == kPolygonIn || item.command == kCircleIn;
-    if (item.command == kCircleIn || item.command == kCircleOut) {
-      circles.push_back({{"version", 1},
-                         {"inclusion", inside},
-                         {"circle", {{"center", {item.x * kDegree, item.y * kDegree}}, {"radius", item.params[0]}}}});
-    } else if (item.command == kPolygonIn || item.command == kPolygonOut) {
-      const auto corners = static_cast<std::size_t>(std::max(0.0F, std::min(item.params[0], 1e4F)));
+    if (item.command == kPolygonIn || item.command == kPolygonOut) {
+      const float stated = item.params[0];  // untrusted, may be no number
+      const auto corners = stated >= 1 ? static_cast<std::size_t>(std::min(stated, 1e4F)) : std::size_t{1};
       PlanJson path = PlanJson::array();
       for (; path.size() < corners && i < items.size() && items[i].command == item.command; ++i) {
         path.push_back({items[i].x * kDegree, items[i].y * kDegree});
       }
-      --i;
       polygons.push_back({{"version", 1}, {"inclusion", inside}, {"polygon", path}});
-      if (corners == 0) ++i;
+      continue;
     }
+    if (item.command == kCircleIn || item.command == kCircleOut) {
+      circles.push_back({{"version", 1},
+                         {"inclusion", inside},
+                         {"circle", {{"center", {item.x * kDegree, item.y * kDegree}}, {"radius", item.params[0]}}}});
+    }
+    ++i;
   }
   return {{"version", 2}, {"polygons", polygons}, {"circles", circles}};
 }

@@ -5,20 +5,20 @@ namespace {
 
 Schema schema_of(VehicleFile& file) {
   using From = VehicleFile::MissionFrom;
-  return {{{"vehicle",
-            "The vehicle.",
-            {Field::text("title", &file.title, "What the page and the report call it."),
-             Field::text("model", &file.model,
-                         "Its size and limits: a vehicle file (.toml), or the name of one that the program has.")}},
-           {"autopilot", "The autopilot, over MAVLink.", fields(file.autopilot)},
-           {"mission",
-            "The mission.",
-            {Field::choice("from", &file.mission_from,
-                           {{"autopilot", From::kAutopilot}, {"file", From::kFile}, {"none", From::kNone}},
-                           "Who gives it: the autopilot, as a ground station has planned it; a file; or nobody: the "
-                           "vehicle only maps."),
-             Field::text("file", &file.mission_file, "Mission file, or a plan of QGroundControl.")}}},
-          {device_list(file.devices)}};
+  return {
+      {{"vehicle",
+        "The vehicle.",
+        {Field::text("title", &file.title, "What the page and the report call it."),
+         Field::text("model", &file.model,
+                     "Its size and limits: a vehicle file (.toml), or the name of one that the program has.")}},
+       {"autopilot", "The autopilot, over MAVLink.", fields(file.autopilot)},
+       {"mission",
+        "The mission.",
+        {Field::choice("from", &file.mission_from,
+                       {{"autopilot", From::kAutopilot}, {"file", From::kFile}, {"none", From::kNone}},
+                       "Source: autopilot, what a ground station has sent to it; file; none: the vehicle only maps."),
+         Field::text("file", &file.mission_file, "Mission file, or a plan of QGroundControl.")}}},
+      {device_list(file.devices)}};
 }
 
 void check_devices(const VehicleFile& file) {

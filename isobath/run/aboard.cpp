@@ -85,9 +85,7 @@ void Aboard::speak_for_operator(Helm& helm, Time now) {
 
 void Aboard::steer(const Setpoint& setpoint, Time answers) {
   if (!options_.commands) return;
-  const auto before = links_.autopilot().counts().setpoints;
-  links_.autopilot().command(setpoint, vehicle_, answers);
-  if (links_.autopilot().counts().setpoints == before) return;
+  if (!links_.autopilot().command(setpoint, vehicle_, answers)) return;
   const std::lock_guard lock(mutex_);
   if (mapped_) latency_.add(to_seconds(links_.now() - *mapped_) * 1000);
   mapped_.reset();

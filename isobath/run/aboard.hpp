@@ -2,7 +2,8 @@
 //
 // The holder of the autopilot's controls is the operator. While the autopilot is armed and in GUIDED, the mission
 // starts, or goes on after a hold; when it is not, the mission holds and no set-point goes out (AutopilotLink). Orders
-// of the page go the same way. While the autopilot is silent, there is no operator: the fault "operator link lost".
+// of the page are sent as those of the operator. While the autopilot is silent, no heartbeat of an operator is sent,
+// which raises the fault "operator link lost".
 //
 // To the autopilot go the set-point of the helm after each event, the obstacles of the last scan four times a second
 // (OBSTACLE_DISTANCE: nearest obstacle in each 5 degrees from the bow; a direction in which the grid holds cells that

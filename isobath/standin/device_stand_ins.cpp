@@ -9,37 +9,51 @@
 namespace isobath {
 namespace {
 
+/// A stand-in whose host speaks in frames. The mutex guards what the frames have set.
+class FramedStandIn : public DeviceStandIn {
+ public:
+  FramedStandIn(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream, FrameAt frame_at)
+      : DeviceStandIn(kind, unplug, stream), frames_(frame_at) {}
+
+  void on_bytes(Bytes bytes, Time time) final {
+    const std::lock_guard lock(mutex_);
+    frames_.push(bytes, time, 0);
+    while (const auto found = frames_.next(report_)) on_frame(found->frame, time);
+    report_ = SourceReport{};
+  }
+  std::optional<ScanCommand> take_command() final {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(command_, std::nullopt);
+  }
+
+ protected:
+  virtual void on_frame(Bytes frame, Time time) = 0;
+  std::mutex mutex_;
+  std::optional<ScanCommand> command_;
+
+ private:
+  SourceReport report_;
+  FrameStream frames_;
+};
+
 constexpr Duration kFireLasts = std::chrono::seconds(3);
 constexpr double kDown = 0.7;  // least z of an axis that looks down
 
 bool points_down(const RangeReading& reading) { return (reading.X_BS.rotation * Eigen::Vector3d::UnitX()).z() > kDown; }
 
-class Ping360StandIn final : public DeviceStandIn {
+class Ping360StandIn final : public FramedStandIn {
  public:
-  using DeviceStandIn::DeviceStandIn;
+  Ping360StandIn(const UnplugConfig& unplug, std::uint64_t stream)
+      : FramedStandIn(DeviceKind::kPing360, unplug, stream, ping_frame_at) {}
 
-  void on_bytes(Bytes bytes, Time time) override {
-    const std::lock_guard lock(mutex_);
-    frames_.push(bytes, time, 0);
-    while (const auto found = frames_.next(report_)) {
-      const auto request = ping360_request(ping_frame(found->frame));
-      if (!request) continue;
-      if (request->sweeps) command_ = command_of(request->settings);
-      if (!request->sweeps) asked_ = true;
-      sweeps_ = request->sweeps;
-      settings_ = request->settings;
-    }
-    report_ = SourceReport{};
-  }
   void on_event(const Event& event, Time now) override {
     const auto* ping = std::get_if<Ping>(&event);
     if (!ping || ping->fan->beams() != 1 || ping->intensity.type() != SampleType::kU8) return;
     const std::lock_guard lock(mutex_);
     if (!settings_ || (!sweeps_ && !std::exchange(asked_, false))) return;
     Ping360Settings line = *settings_;
-    constexpr double kTick = 25e-9;
     line.sample_period = static_cast<std::uint16_t>(
-        std::clamp(std::lround(2 * ping->window.bin_m / (ping->sound_speed * kTick)), 1L, 65535L));
+        std::clamp(std::lround(2 * ping->window.bin_m / (ping->sound_speed * kPing360Tick_s)), 1L, 65535L));
     line.samples = static_cast<std::uint16_t>(ping->window.bins);
     std::vector<std::byte> samples(static_cast<std::size_t>(ping->window.bins));
     for (std::size_t i = 0; i < samples.size(); ++i)
@@ -47,12 +61,16 @@ class Ping360StandIn final : public DeviceStandIn {
     const long grad = std::lround(ping->fan->azimuth.front().degrees() / 0.9);
     send(ping360_line_bytes(line, static_cast<int>((grad % 400 + 400) % 400), sweeps_, samples), now);
   }
-  std::optional<ScanCommand> take_command() override {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(command_, std::nullopt);
-  }
 
  private:
+  void on_frame(Bytes frame, Time /*time*/) override {
+    const auto request = ping360_request(ping_frame(frame));
+    if (!request) return;
+    if (request->sweeps) command_ = command_of(request->settings);
+    if (!request->sweeps) asked_ = true;
+    sweeps_ = request->sweeps;
+    settings_ = request->settings;
+  }
   /// Only what differs from the last command.
   std::optional<ScanCommand> command_of(const Ping360Settings& s) const {
     if (settings_ && s.start_grad == settings_->start_grad && s.stop_grad == settings_->stop_grad &&
@@ -65,35 +83,20 @@ class Ping360StandIn final : public DeviceStandIn {
     command.step = Angle::degrees(0.9 * s.step_grad);
     command.sector = Angle::degrees(span >= 399 ? 360 : 0.9 * span);
     command.middle = span >= 399 ? Angle{} : Angle::degrees(0.9 * (s.start_grad + span / 2.0)).wrapped();
-    constexpr double kTick = 25e-9, kSound = 1500;
-    command.range_m = kSound * s.sample_period * kTick * s.samples / 2;
+    constexpr double kSound = 1500;
+    command.range_m = kSound * s.sample_period * kPing360Tick_s * s.samples / 2;
     return command;
   }
 
-  std::mutex mutex_;
-  SourceReport report_;
-  FrameStream frames_{ping_frame_at};
   std::optional<Ping360Settings> settings_;
-  std::optional<ScanCommand> command_;
   bool sweeps_ = false, asked_ = false;
 };
 
-class Ping1DStandIn final : public DeviceStandIn {
+class Ping1DStandIn final : public FramedStandIn {
  public:
-  using DeviceStandIn::DeviceStandIn;
-  void on_bytes(Bytes bytes, Time time) override {
-    const std::lock_guard lock(mutex_);
-    frames_.push(bytes, time, 0);
-    while (const auto found = frames_.next(report_)) {
-      const PingFrame frame = ping_frame(found->frame);
-      const bool asks = frame.id == ping_message::kGeneralRequest &&
-                        ByteCursor(frame.payload).little<std::uint16_t>() == ping_message::kDistance;
-      if (!asks || !newest_) continue;
-      const bool echo = newest_->range_m.has_value();
-      send(ping1d_distance_bytes(newest_->range_m.value_or(0), echo ? 99 : 0, newest_->max_range_m), time);
-    }
-    report_ = SourceReport{};
-  }
+  Ping1DStandIn(const UnplugConfig& unplug, std::uint64_t stream)
+      : FramedStandIn(DeviceKind::kPing1D, unplug, stream, ping_frame_at) {}
+
   void on_event(const Event& event, Time /*now*/) override {
     const auto* reading = std::get_if<RangeReading>(&event);
     if (!reading || !points_down(*reading)) return;
@@ -102,9 +105,15 @@ class Ping1DStandIn final : public DeviceStandIn {
   }
 
  private:
-  std::mutex mutex_;
-  SourceReport report_;
-  FrameStream frames_{ping_frame_at};
+  void on_frame(Bytes bytes, Time time) override {
+    const PingFrame frame = ping_frame(bytes);
+    const bool asks = frame.id == ping_message::kGeneralRequest &&
+                      ByteCursor(frame.payload).little<std::uint16_t>() == ping_message::kDistance;
+    if (!asks || !newest_) return;
+    const bool echo = newest_->range_m.has_value();
+    send(ping1d_distance_bytes(newest_->range_m.value_or(0), echo ? 99 : 0, newest_->max_range_m), time);
+  }
+
   std::optional<RangeReading> newest_;
 };
 
@@ -115,21 +124,11 @@ Framing fire_at(Bytes bytes) {
   return oculus_fire_of(bytes) ? Framing{Framing::Kind::kFrame, kFire} : Framing{Framing::Kind::kNoise, 1};
 }
 
-class OculusStandIn final : public DeviceStandIn {
+class OculusStandIn final : public FramedStandIn {
  public:
-  using DeviceStandIn::DeviceStandIn;
-  void on_bytes(Bytes bytes, Time time) override {
-    const std::lock_guard lock(mutex_);
-    frames_.push(bytes, time, 0);
-    while (const auto found = frames_.next(report_)) {
-      fire_ = oculus_fire_of(found->frame);
-      fired_ = time;
-      if (fire_->range_m == range_m_) continue;
-      range_m_ = fire_->range_m;
-      command_ = ScanCommand{.range_m = range_m_};
-    }
-    report_ = SourceReport{};
-  }
+  OculusStandIn(const UnplugConfig& unplug, std::uint64_t stream)
+      : FramedStandIn(DeviceKind::kOculus, unplug, stream, fire_at) {}
+
   void on_event(const Event& event, Time now) override {
     const auto* ping = std::get_if<Ping>(&event);
     if (!ping || ping->fan->beams() < 2 || ping->intensity.type() != SampleType::kU8) return;
@@ -151,25 +150,25 @@ class OculusStandIn final : public DeviceStandIn {
     }
     send(oculus_ping_result(image), now);
   }
-  std::optional<ScanCommand> take_command() override {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(command_, std::nullopt);
-  }
 
  private:
-  std::mutex mutex_;
-  SourceReport report_;
-  FrameStream frames_{fire_at};
+  void on_frame(Bytes frame, Time time) override {
+    fire_ = oculus_fire_of(frame);
+    fired_ = time;
+    if (fire_->range_m == range_m_) return;
+    range_m_ = fire_->range_m;
+    command_ = ScanCommand{.range_m = range_m_};
+  }
+
   std::optional<OculusFire> fire_;
   Time fired_{};
   double range_m_ = 0;
-  std::optional<ScanCommand> command_;
   std::uint32_t number_ = 0;
 };
 
 class DvlStandIn final : public DeviceStandIn {
  public:
-  using DeviceStandIn::DeviceStandIn;
+  DvlStandIn(const UnplugConfig& unplug, std::uint64_t stream) : DeviceStandIn(DeviceKind::kDvlA50, unplug, stream) {}
   void on_bytes(Bytes /*bytes*/, Time /*time*/) override {}
   void on_event(const Event& event, Time now) override {
     if (const auto* reading = std::get_if<RangeReading>(&event); reading && points_down(*reading)) {
@@ -201,10 +200,10 @@ class DvlStandIn final : public DeviceStandIn {
 
 std::unique_ptr<DeviceStandIn> make_device_stand_in(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream) {
   switch (kind) {
-    case DeviceKind::kPing360: return std::make_unique<Ping360StandIn>(kind, unplug, stream);
-    case DeviceKind::kPing1D: return std::make_unique<Ping1DStandIn>(kind, unplug, stream);
-    case DeviceKind::kOculus: return std::make_unique<OculusStandIn>(kind, unplug, stream);
-    case DeviceKind::kDvlA50: return std::make_unique<DvlStandIn>(kind, unplug, stream);
+    case DeviceKind::kPing360: return std::make_unique<Ping360StandIn>(unplug, stream);
+    case DeviceKind::kPing1D: return std::make_unique<Ping1DStandIn>(unplug, stream);
+    case DeviceKind::kOculus: return std::make_unique<OculusStandIn>(unplug, stream);
+    case DeviceKind::kDvlA50: return std::make_unique<DvlStandIn>(unplug, stream);
   }
   return nullptr;
 }

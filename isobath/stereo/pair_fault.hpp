@@ -1,5 +1,5 @@
-// PairFault: why a pair of pictures gives no ranges. The checks are those of `isobath stereo`, of folders of pairs and
-// of cameras on board (ledger S8-08 S8-09 S8-11).
+// PairFault: why a pair of pictures gives no ranges (ledger S8-08 S8-09 S8-11). `isobath stereo`, folders of pairs and
+// simulated cameras all use these checks.
 #pragma once
 
 #include <isobath/stereo/dense_matcher.hpp>

@@ -21,7 +21,7 @@ std::vector<StereoPoint> stereo_points(const DisparityMap& map, const PairGeomet
 
 namespace {
 
-/// Of a cell of the picture that is half valid the point with the median distance.
+/// A cell of the picture, at least half of it valid: the point at the median distance.
 struct StereoCell {
   Vector3d p;          ///< forward, starboard, down of the left camera
   double range_m = 0;  ///< its distance

@@ -55,7 +55,7 @@ export class PlanView implements View, Gestured {
   private shown = '';
   private painted = -1;
   private placed = false;
-  /** The chart was framed before the range of a sonar was known, and nobody has moved it since. */
+  /** Whether the scale is a guess: no sonar had stated its range yet, and the user has not moved the chart. */
   private guessed = false;
 
   constructor(private readonly shared: Shared) {

@@ -1,29 +1,9 @@
-#include <algorithm>
 #include <fmt/format.h>
+#include <isobath/io/bytes/record_writer.hpp>
 #include <isobath/io/formats/mavlink/mavlink_messages.hpp>
 
 namespace isobath::mavlink {
 namespace {
-
-/// Fields at their offsets, little-endian.
-class PayloadWriter {
- public:
-  explicit PayloadWriter(std::size_t bytes) : bytes_(bytes) {}
-  template <class T>
-  PayloadWriter& put(std::size_t offset, T value) {
-    static_assert(std::endian::native == std::endian::little);
-    std::memcpy(bytes_.data() + offset, &value, sizeof value);
-    return *this;
-  }
-  PayloadWriter& put_text(std::size_t offset, std::size_t longest, const std::string& text) {
-    std::memcpy(bytes_.data() + offset, text.data(), std::min(longest, text.size()));
-    return *this;
-  }
-  [[nodiscard]] PayloadBytes take() { return std::move(bytes_); }
-
- private:
-  PayloadBytes bytes_;
-};
 
 MissionKind kind_at(const MavlinkPayload& p, std::size_t offset) {
   return static_cast<MissionKind>(p.at<std::uint8_t>(offset));
@@ -45,7 +25,7 @@ std::string mode_text(std::uint32_t mode) {
 }
 
 PayloadBytes Heartbeat::body() const {
-  return PayloadWriter(9)
+  return RecordWriter(9)
       .put(0, custom_mode)
       .put(4, type)
       .put(5, autopilot)
@@ -59,24 +39,24 @@ Heartbeat Heartbeat::of(const MavlinkPayload& p) {
           p.at<std::uint8_t>(7)};
 }
 
-PayloadBytes SystemStatus::body() const { return PayloadWriter(31).put(30, battery_percent).take(); }
+PayloadBytes SystemStatus::body() const { return RecordWriter(31).put(30, battery_percent).take(); }
 SystemStatus SystemStatus::of(const MavlinkPayload& p) { return {p.at<std::int8_t>(30)}; }
 
 PayloadBytes Attitude::body() const {
-  return PayloadWriter(28).put(0, boot_ms).put(4, roll).put(8, pitch).put(12, yaw).take();
+  return RecordWriter(28).put(0, boot_ms).put(4, roll).put(8, pitch).put(12, yaw).take();
 }
 
 PayloadBytes LocalPosition::body() const {
-  return PayloadWriter(28).put(0, boot_ms).put(4, x).put(8, y).put(12, z).put(16, vx).put(20, vy).put(24, vz).take();
+  return RecordWriter(28).put(0, boot_ms).put(4, x).put(8, y).put(12, z).put(16, vx).put(20, vy).put(24, vz).take();
 }
 
-PayloadBytes Origin::body() const { return PayloadWriter(20).put(0, latitude_e7).put(4, longitude_e7).take(); }
+PayloadBytes Origin::body() const { return RecordWriter(20).put(0, latitude_e7).put(4, longitude_e7).take(); }
 
-PayloadBytes TimeSync::body() const { return PayloadWriter(16).put(0, tc1_ns).put(8, ts1_ns).take(); }
+PayloadBytes TimeSync::body() const { return RecordWriter(16).put(0, tc1_ns).put(8, ts1_ns).take(); }
 TimeSync TimeSync::of(const MavlinkPayload& p) { return {p.at<std::int64_t>(0), p.at<std::int64_t>(8)}; }
 
 PayloadBytes VelocityTarget::body() const {
-  return PayloadWriter(53)
+  return RecordWriter(53)
       .put(0, boot_ms)
       .put(16, vx)
       .put(20, vy)
@@ -95,7 +75,7 @@ VelocityTarget VelocityTarget::of(const MavlinkPayload& p) {
 }
 
 PayloadBytes CommandLong::body() const {
-  PayloadWriter out(33);
+  RecordWriter out(33);
   for (std::size_t i = 0; i < params.size(); ++i) out.put(4 * i, params[i]);
   return out.put(28, command).put(30, system).put(31, component).take();
 }
@@ -108,31 +88,31 @@ CommandLong CommandLong::of(const MavlinkPayload& p) {
   return c;
 }
 
-PayloadBytes CommandAck::body() const { return PayloadWriter(10).put(0, command).put(2, result).take(); }
+PayloadBytes CommandAck::body() const { return RecordWriter(10).put(0, command).put(2, result).take(); }
 
 PayloadBytes MissionRequestList::body() const {
-  return PayloadWriter(3).put(0, system).put(1, component).put(2, kind).take();
+  return RecordWriter(3).put(0, system).put(1, component).put(2, kind).take();
 }
 MissionRequestList MissionRequestList::of(const MavlinkPayload& p) {
   return {p.at<std::uint8_t>(0), p.at<std::uint8_t>(1), kind_at(p, 2)};
 }
 
 PayloadBytes MissionCount::body() const {
-  return PayloadWriter(9).put(0, count).put(2, system).put(3, component).put(4, kind).take();
+  return RecordWriter(9).put(0, count).put(2, system).put(3, component).put(4, kind).take();
 }
 MissionCount MissionCount::of(const MavlinkPayload& p) {
   return {p.at<std::uint16_t>(0), p.at<std::uint8_t>(2), p.at<std::uint8_t>(3), kind_at(p, 4)};
 }
 
 PayloadBytes MissionRequest::body() const {
-  return PayloadWriter(5).put(0, sequence).put(2, system).put(3, component).put(4, kind).take();
+  return RecordWriter(5).put(0, sequence).put(2, system).put(3, component).put(4, kind).take();
 }
 MissionRequest MissionRequest::of(const MavlinkPayload& p) {
   return {p.at<std::uint16_t>(0), p.at<std::uint8_t>(2), p.at<std::uint8_t>(3), kind_at(p, 4)};
 }
 
 PayloadBytes MissionItem::body() const {
-  PayloadWriter out(38);
+  RecordWriter out(38);
   for (std::size_t i = 0; i < params.size(); ++i) out.put(4 * i, params[i]);
   out.put(16, x).put(20, y).put(24, z).put(28, sequence).put(30, command);
   return out.put(32, system).put(33, component).put(34, frame).put(35, current).put(36, goes_on).put(37, kind).take();
@@ -155,15 +135,15 @@ MissionItem MissionItem::of(const MavlinkPayload& p) {
 }
 
 PayloadBytes MissionAck::body() const {
-  return PayloadWriter(8).put(0, system).put(1, component).put(2, result).put(3, kind).take();
+  return RecordWriter(8).put(0, system).put(1, component).put(2, result).put(3, kind).take();
 }
 MissionAck MissionAck::of(const MavlinkPayload& p) {
   return {p.at<std::uint8_t>(0), p.at<std::uint8_t>(1), p.at<std::uint8_t>(2), kind_at(p, 3)};
 }
 
-PayloadBytes MissionItemReached::body() const { return PayloadWriter(2).put(0, sequence).take(); }
+PayloadBytes MissionItemReached::body() const { return RecordWriter(2).put(0, sequence).take(); }
 
-PayloadBytes StatusText::body() const { return PayloadWriter(54).put(0, severity).put_text(1, kLongest, text).take(); }
+PayloadBytes StatusText::body() const { return RecordWriter(54).put(0, severity).put_text(1, kLongest, text).take(); }
 StatusText StatusText::of(const MavlinkPayload& p) {
   StatusText status{p.at<std::uint8_t>(0), {}};
   for (std::size_t i = 1; i <= kLongest && p.at<char>(i) != 0; ++i) status.text.push_back(p.at<char>(i));
@@ -171,11 +151,11 @@ StatusText StatusText::of(const MavlinkPayload& p) {
 }
 
 PayloadBytes NamedValue::body() const {
-  return PayloadWriter(18).put(0, boot_ms).put(4, value).put_text(8, 10, name).take();
+  return RecordWriter(18).put(0, boot_ms).put(4, value).put_text(8, 10, name).take();
 }
 
 PayloadBytes ObstacleDistance::body() const {
-  PayloadWriter out(167);
+  RecordWriter out(167);
   out.put(0, time_us);
   for (std::size_t i = 0; i < kDirections; ++i) out.put(8 + 2 * i, cm[i]);
   constexpr std::uint8_t kUltrasound = 1, kDegrees = 5;
@@ -192,7 +172,7 @@ ObstacleDistance ObstacleDistance::of(const MavlinkPayload& p) {
 
 PayloadBytes ObstacleDistance3d::body() const {
   constexpr std::uint8_t kUltrasound = 1;
-  return PayloadWriter(28)
+  return RecordWriter(28)
       .put(0, boot_ms)
       .put(4, x)
       .put(8, y)

@@ -6,7 +6,6 @@ namespace isobath {
 namespace {
 
 constexpr std::uint8_t kHost = 0, kHead = 2, kSounder = 1;
-constexpr double kTick = 25e-9;  // s
 constexpr int kLeastPeriod = 80, kMostPeriod = 40000, kTurn = 400;
 
 /// Numbers one after the other, little-endian.
@@ -49,11 +48,11 @@ Ping360Settings ping360_settings(const Ping360Scan& scan) {
   s.gain = static_cast<std::uint8_t>(std::clamp(scan.gain, 0, 2));
   s.frequency_khz = static_cast<std::uint16_t>(scan.frequency_khz);
   const double travel_s = 2 * scan.range_m / scan.sound_speed;
-  const double period = travel_s / (scan.samples * kTick);
+  const double period = travel_s / (scan.samples * kPing360Tick_s);
   s.sample_period = static_cast<std::uint16_t>(std::clamp(std::lround(period), long{kLeastPeriod}, long{kMostPeriod}));
   s.samples = static_cast<std::uint16_t>(
-      std::clamp(std::lround(travel_s / (s.sample_period * kTick)), 1L, static_cast<long>(scan.samples)));
-  const double sample_us = s.sample_period * kTick * 1e6;
+      std::clamp(std::lround(travel_s / (s.sample_period * kPing360Tick_s)), 1L, static_cast<long>(scan.samples)));
+  const double sample_us = s.sample_period * kPing360Tick_s * 1e6;
   const double pulse = std::max(8000 * scan.range_m / scan.sound_speed, 2.5 * sample_us);
   s.pulse_us = static_cast<std::uint16_t>(std::clamp(pulse, 5.0, std::min(500.0, 64 * sample_us)));
   s.step_grad = static_cast<std::uint8_t>(std::clamp(std::lround(scan.step.degrees() / 0.9), 1L, 10L));

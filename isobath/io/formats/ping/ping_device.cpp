@@ -51,7 +51,7 @@ std::optional<Event> PingDevice::line(const PingFrame& frame, Time time, const s
   Ping ping = scanner_.ping(Angle::gradians(line->angle_grad), window, line->samples.data(), owner);
   ping.time = time;
   ping.blanking_m = std::max(kPing360Blind, 0.5 * scanner_.sound_speed() * line->pulse_us * 1e-6);
-  interval_ = seconds(line->sample_period * 25e-9 * window.bins + kStepTime + line->delay_ms * 1e-3);
+  interval_ = seconds(line->sample_period * kPing360Tick_s * window.bins + kStepTime + line->delay_ms * 1e-3);
   return ping;
 }
 

@@ -38,6 +38,9 @@ constexpr std::uint16_t kAutoTransmit = 2602;
 
 enum class PingDeviceType : std::uint8_t { kUnknown = 0, kPing1D = 1, kPing360 = 2 };
 
+/// The unit of sample periods.
+inline constexpr double kPing360Tick_s = 25e-9;
+
 /// device_data (2300) and auto_device_data (2301): one line of a Ping360.
 struct Ping360Line {
   std::uint8_t gain = 0;         ///< 0 low, 1 normal, 2 high
@@ -49,7 +52,7 @@ struct Ping360Line {
   Bytes samples;              ///< nearest first
 
   /// Length of a bin: half the distance that sound travels in one sample period.
-  [[nodiscard]] double bin_m(double sound_speed) const { return sound_speed * sample_period * 25e-9 / 2; }
+  [[nodiscard]] double bin_m(double sound_speed) const { return sound_speed * sample_period * kPing360Tick_s / 2; }
 };
 Result<Ping360Line, MessageFault> ping360_line(const PingFrame& frame);
 
