@@ -1,10 +1,12 @@
 // The look ahead on raw echoes and ranges: stop while it can, else turn to the freer side, else surface.
+#include <algorithm>
 #include <gmock/gmock.h>
 #include <isobath/mission/safety/near_echoes.hpp>
 #include <isobath/mission/safety/sonar_health_sample.hpp>
 #include <limits>
 #include <memory>
 #include <random>
+#include <set>
 #include <tests/mission/safety_stream.hpp>
 #include <tests/planning/measured_water.hpp>
 
@@ -116,15 +118,19 @@ TEST(LastDitch, StopsForShortRanges) {
 TEST(NearEchoes, AreForgottenWhereTheSonarHearsThatTheyAreGone) {
   const auto lasts_s = [](const Vector2d& place, double silent_m, const std::vector<Vector2d>& others) {
     NearEchoes echoes;
-    echoes.add({&place, 1}, Pose(), 50, kLimits, 1.0);
-    echoes.add({&place, 1}, Pose(), 50, kLimits, 1.2);
+    echoes.add(place, Pose(), 50, kLimits, 1.0);
+    echoes.add(place, Pose(), 50, kLimits, 1.2);
     double t = 1.2;
-    while (t < 30 && !echoes.confirmed(Pose(), 0.6, kLimits, t).empty()) {
+    const auto stands = [&] {
+      const auto all = echoes.confirmed(Pose(), 0.6, kLimits, t);
+      return std::ranges::any_of(all, [&](const NearEcho& echo) { return (echo.place - place).norm() < 1e-9; });
+    };
+    while (t < 30 && stands()) {
       t += 0.2;
       SonarEchoes look;
       look.echoes_L = others;
       fall_silent(look, silent_m);
-      echoes.hear_silence(look, kLimits, t);
+      echoes.add(look, 50, kLimits, t);
     }
     return t - 1.2;
   };
@@ -354,20 +360,78 @@ TEST(FreeWay, IsWhatAWalkInSmallStepsFinds) {
 TEST(NearEchoes, TakesTwoPingsToConfirmOne) {
   NearEchoes echoes;
   const Vector2d at(8, 1);
-  echoes.add({&at, 1}, Pose{}, 30, kLimits, 1.0);
-  echoes.add({&at, 1}, Pose{}, 30, kLimits, 1.0);
+  echoes.add(at, Pose{}, 30, kLimits, 1.0);
+  echoes.add(at, Pose{}, 30, kLimits, 1.0);
   EXPECT_EQ(echoes.confirmed(Pose{}, 0, kLimits, 1.0).size(), 0u) << "the same ping";
   const Vector2d near(8.9, 1.4), far(14, 1);
-  echoes.add({&far, 1}, Pose{}, 30, kLimits, 1.1);
+  echoes.add(far, Pose{}, 30, kLimits, 1.1);
   EXPECT_EQ(echoes.confirmed(Pose{}, 0, kLimits, 1.1).size(), 0u);
-  echoes.add({&near, 1}, Pose{}, 30, kLimits, 1.2);
+  echoes.add(near, Pose{}, 30, kLimits, 1.2);
   EXPECT_GE(echoes.confirmed(Pose{}, 0, kLimits, 1.2).size(), 1u);
   EXPECT_EQ(echoes.confirmed(Pose{}, 0, kLimits, 1.2 + kLimits.memory_s + 0.1).size(), 0u);
 
   NearEchoes late;
-  late.add({&at, 1}, Pose{}, 30, kLimits, 1.0);
-  late.add({&at, 1}, Pose{}, 30, kLimits, 1.1 + kLimits.confirm_s);
+  late.add(at, Pose{}, 30, kLimits, 1.0);
+  late.add(at, Pose{}, 30, kLimits, 1.1 + kLimits.confirm_s);
   EXPECT_EQ(late.confirmed(Pose{}, 0, kLimits, 1.1 + kLimits.confirm_s).size(), 0u);
+}
+
+/// A head of one beam that sweeps 120 degrees in 44 steps, 28 times a second, to 20 m.
+struct SweepingHead {
+  static constexpr double kInterval_s = 0.035, kRange_m = 20;
+  std::mt19937 random{11};
+  std::shared_ptr<const BeamFan> fan = even_fan(1, Angle::degrees(2), Angle::degrees(2), Angle::degrees(25));
+  int pings = 0;
+
+  /// The next ping: a buoy ahead fills one beam, and a share of the pings has a false echo anywhere along the beam.
+  SonarEchoes next(double false_share, std::optional<double> buoy_m) {
+    const int step = pings % 86, beam = step < 44 ? step : 86 - step;
+    ++pings;
+    SonarEchoes ping;
+    ping.fan = fan;
+    ping.blanking_m = 0.75;
+    ping.boresight_L = Angle::degrees(-58 + 2.7 * beam);
+    double nearest = kRange_m;
+    if (buoy_m && beam == 22) nearest = *buoy_m;
+    if (std::bernoulli_distribution(false_share)(random))
+      nearest = std::min(nearest, std::uniform_real_distribution(0.75, kRange_m)(random));
+    ping.silent_m = {static_cast<float>(nearest)};
+    if (nearest < kRange_m) ping.echoes_L = {nearest * Vector2d(cos(ping.boresight_L), sin(ping.boresight_L))};
+    return ping;
+  }
+};
+
+// A head that sweeps fast looks at the same water hundreds of times in confirm_s. Two false echoes in that time are no
+// body; a buoy that one beam in 44 meets is one after a few sweeps.
+// ledger: S1-44 S6-64
+TEST(NearEchoes, NeedMoreOfThemWhereFalseOnesAreFrequent) {
+  const auto count_of = [](double false_share) {
+    SweepingHead head;
+    NearEchoes echoes;
+    std::set<std::pair<std::int64_t, std::int64_t>> confirmed;
+    int heard = 0;
+    for (double t = 0; t < 300; t += SweepingHead::kInterval_s) {
+      const SonarEchoes ping = head.next(false_share, std::nullopt);
+      heard += static_cast<int>(ping.echoes_L.size());
+      echoes.add(ping, 25, kLimits, t);
+      for (const NearEcho& echo : echoes.confirmed(Pose(), 0.75, kLimits, t)) confirmed.insert(echo.cell);
+    }
+    return static_cast<double>(confirmed.size()) / heard;
+  };
+  EXPECT_LT(count_of(0.02), 0.1);  // an event confirms two or three of them
+  EXPECT_LT(count_of(0.1), 0.1);
+  for (const double false_share : {0.0, 0.02, 0.1}) {
+    SweepingHead head;
+    NearEchoes echoes;
+    double t = 0;
+    for (; t < 60; t += SweepingHead::kInterval_s) echoes.add(head.next(false_share, std::nullopt), 25, kLimits, t);
+    const auto sees_it = [&] {
+      const auto all = echoes.confirmed(Pose(), 0.75, kLimits, t);
+      return std::ranges::any_of(all, [](const NearEcho& echo) { return (echo.place - Vector2d(6, 0)).norm() < 1; });
+    };
+    while (t < 120 && !sees_it()) echoes.add(head.next(false_share, 6), 25, kLimits, t += SweepingHead::kInterval_s);
+    EXPECT_LT(t - 60, false_share < 0.05 ? 5 : 15) << false_share;
+  }
 }
 
 TEST(NearEchoes, StandStillInTheWorldAndMoveWithItsCorrections) {
@@ -375,8 +439,8 @@ TEST(NearEchoes, StandStillInTheWorldAndMoveWithItsCorrections) {
   const Vector2d at(8, 1);
   const Pose first;
   const Pose second{Rotation::from_heading(Angle::degrees(90)), {8, -5, 0}};
-  echoes.add({&at, 1}, first, 30, kLimits, 1.0);
-  echoes.add({&at, 1}, first, 30, kLimits, 1.1);
+  echoes.add(at, first, 30, kLimits, 1.0);
+  echoes.add(at, first, 30, kLimits, 1.1);
   const auto seen = echoes.confirmed(second, 0, kLimits, 1.2);
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_NEAR((seen[0].place - Vector2d(6, 0)).norm(), 0, 1e-9);
@@ -457,6 +521,27 @@ TEST(LastDitch, PassesOverWhatWasMeasuredToLieBelow) {
   stream.tell(WorldSnapshot{.voxels = std::make_shared<const OccupancySnapshot>(water.grid())});
   stream.run_to(100);
   EXPECT_GE(stream.raised(Fault::kCollisionAhead), 0) << "half a metre below it nothing was measured";
+}
+
+// A wall that only the map of voxels holds: no echo comes from it any more, and no planner has been asked.
+// ledger: S5-37
+TEST(LastDitch, AnOccupiedVoxelOnThePathStopsItWithoutThePlanner) {
+  const auto ends_at_m = [](bool stops, double top_m) {
+    SafetyStream stream(stops ? test::hovering() : test::flying());
+    test::MeasuredWater water;
+    water.occupy({60, -8, top_m}, {61, 8, top_m + 2});
+    stream.run_to(20);
+    stream.tell(WorldSnapshot{.voxels = std::make_shared<const OccupancySnapshot>(water.grid())});
+    double farthest = 0;  // while it is before or in the wall, and not beside it
+    for (double t = 20; t < 80; stream.run_to(t += 0.5)) {
+      if (std::abs(stream.place.y()) < 8) farthest = std::max(farthest, stream.place.x());
+    }
+    return farthest + stream.parameters.hull_radius_m;
+  };
+  EXPECT_LT(ends_at_m(true, 4), 60);
+  EXPECT_GT(ends_at_m(true, 4), 55);
+  EXPECT_LT(ends_at_m(false, 4), 60) << "it turns away";
+  EXPECT_GT(ends_at_m(true, 7), 65) << "it passes over it";
 }
 
 }  // namespace

@@ -130,4 +130,22 @@ bool OccupancySnapshot::is_measured(const Eigen::Vector3d& p_W, double half_heig
   return true;
 }
 
+std::vector<Eigen::Vector2d> OccupancySnapshot::occupied_columns(const Eigen::Vector3d& p_W, double half_height_m,
+                                                                 double reach_m) const {
+  const Eigen::Vector3d half(reach_m, reach_m, half_height_m);
+  const VoxelIndex low = floor_of((p_W - half) / voxel_m_).cwiseMax(least_);
+  const VoxelIndex high = floor_of((p_W + half) / voxel_m_).cwiseMin(least_ + size_ - VoxelIndex::Ones());
+  std::vector<Eigen::Vector2d> columns;
+  if (high.z() < low.z()) return columns;
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      const std::span<const SpaceCell> layer =
+          column(x, y).subspan(static_cast<std::size_t>(low.z() - least_.z()), static_cast<std::size_t>(high.z() - low.z() + 1));
+      if (std::ranges::find(layer, SpaceCell::kOccupied) == layer.end()) continue;
+      columns.emplace_back((x + 0.5) * voxel_m_, (y + 0.5) * voxel_m_);
+    }
+  }
+  return columns;
+}
+
 }  // namespace isobath

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -13,37 +14,87 @@ constexpr std::int64_t kCellsAcross = 3;  // per `confirm_m`: the places of echo
 constexpr double kFarthest = 1e8;         // m from the origin: farther places are invalid
 constexpr double kStraight = 1e-6;        // 1/m
 constexpr double kBeamHigh_m = 1;         // above and below its axis: where a beam is as high, it looks at an echo
+constexpr double kClearly = 4;            // times the chance of noise: what a body gives at least
+constexpr double kCounted_s = 120;        // in which the counts of false echoes fall to 1 / e
 
-/// Whether the beams that look at a place, and those within `apart_m` of it, were silent up to `apart_m` beyond it.
-bool is_silent(const SonarEchoes& look, const Eigen::Vector2d& place_L, double apart_m) {
-  const Eigen::Vector2d way = place_L - look.sonar_L;
+/// How the beams of one ping look at a place.
+struct Look {
+  int beams = 0;        ///< that look within `apart_m` of it, and that nothing nearer blocks
+  bool silent = false;  ///< the beams that look at it, and those within `apart_m`, hear nothing up to `apart_m` beyond
+};
+
+bool has_beams(const SonarEchoes& ping) {
+  return ping.fan && ping.fan->width.size() == ping.silent_m.size() &&
+         ping.fan->azimuth.size() == ping.silent_m.size() && ping.X_WL.is_finite();
+}
+
+Look look_at(const SonarEchoes& ping, const Eigen::Vector2d& place_L, double apart_m) {
+  const Eigen::Vector2d way = place_L - ping.sonar_L;
   const double range = way.norm();
-  if (!(range > look.blanking_m && range * std::tan(0.5 * look.fan->height.radians()) > kBeamHigh_m)) return false;
-  const double azimuth = (Angle::radians(std::atan2(way.y(), way.x())) - look.boresight_L).wrapped().radians();
+  Look look;
+  if (!(range > ping.blanking_m)) return look;
+  const double azimuth = (Angle::radians(std::atan2(way.y(), way.x())) - ping.boresight_L).wrapped().radians();
   const double aside = std::asin(std::min(1.0, apart_m / range));
-  const std::vector<Angle>& beams = look.fan->azimuth;
-  bool looked = false;
+  const std::vector<Angle>& beams = ping.fan->azimuth;
+  bool aimed = false, heard = false;
   const auto after = [](double value, Angle angle) { return value < angle.radians(); };
   auto beam = std::upper_bound(beams.begin(), beams.end(), azimuth - aside, after);
   for (; beam != beams.end() && beam->radians() < azimuth + aside; ++beam) {
     const auto b = static_cast<std::size_t>(beam - beams.begin());
-    if (static_cast<double>(look.silent_m[b]) < range + apart_m) return false;
-    looked = looked || std::abs(beam->radians() - azimuth) <= 0.5 * look.fan->width[b].radians();
+    const auto silent_m = static_cast<double>(ping.silent_m[b]);
+    if (silent_m >= range - apart_m) ++look.beams;
+    heard = heard || silent_m < range + apart_m;
+    aimed = aimed || std::abs(beam->radians() - azimuth) <= 0.5 * ping.fan->width[b].radians();
   }
-  return looked;
+  // A beam that is not as high may pass above or below what is there.
+  look.silent = aimed && !heard && range * std::tan(0.5 * ping.fan->height.radians()) > kBeamHigh_m;
+  return look;
 }
+
+/// Chances of an echo in a look: of noise, and of a body.
+struct Chances {
+  Chances(int beams, double false_per_m, double apart_m)
+      : noise(-std::expm1(-beams * false_per_m * 0.5 * std::numbers::pi * apart_m)),
+        body(std::min(1.0, std::max(NearEchoes::kBodySeen, kClearly * noise))) {}
+  [[nodiscard]] double of_echo() const {
+    return noise > 0 ? std::min(NearEchoes::kMostEvidence, std::log(body / noise)) : NearEchoes::kMostEvidence;
+  }
+  [[nodiscard]] double of_look() const { return body - noise; }
+  double noise, body;
+};
 
 }  // namespace
 
-void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m,
-                     const SafetyConfig& config, double now_s) {
-  if (!X_WL.is_finite()) return;
-  cell_m_ = config.confirm_m / kCellsAcross;
-  for (const Eigen::Vector2d& echo : echoes_L) {
-    if (!echo.allFinite() || !(echo.norm() <= reach_m)) continue;
-    const Eigen::Vector2d place = (X_WL * Eigen::Vector3d(echo.x(), echo.y(), 0)).head<2>();
-    if (place.allFinite() && place.cwiseAbs().maxCoeff() < kFarthest) put(place, config, now_s);
+void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s) {
+  if (!ping.X_WL.is_finite()) return;
+  const bool looks = has_beams(ping);
+  for (const Eigen::Vector2d& echo : ping.echoes_L) {
+    const int beams = looks && echo.allFinite() ? look_at(ping, echo, config.confirm_m).beams : 0;
+    const double gain =
+        beams > 0 ? Chances(beams, false_echoes_per_m(), config.confirm_m).of_echo() : kMostEvidence;
+    take(echo, ping.X_WL, reach_m, gain, config, now_s);
   }
+  if (looks) look(ping, reach_m, config, now_s);
+  bound(config, now_s);
+}
+
+void NearEchoes::add(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
+                     double now_s) {
+  if (!X_WL.is_finite()) return;
+  take(echo_L, X_WL, reach_m, kMostEvidence, config, now_s);
+  bound(config, now_s);
+}
+
+void NearEchoes::take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, double gain,
+                      const SafetyConfig& config, double now_s) {
+  cell_m_ = config.confirm_m / kCellsAcross;
+  if (!echo_L.allFinite() || !(echo_L.norm() <= reach_m)) return;
+  const Eigen::Vector2d place = (X_WL * Eigen::Vector3d(echo_L.x(), echo_L.y(), 0)).head<2>();
+  if (place.allFinite() && place.cwiseAbs().maxCoeff() < kFarthest) put(place, gain, config, now_s);
+}
+
+/// Removes the oldest where there are too many.
+void NearEchoes::bound(const SafetyConfig& config, double now_s) {
   if (cells_.size() > kMax) forget(now_s - std::max(config.confirm_s, config.memory_s));
   while (cells_.size() > kMax) {
     cells_.erase(std::min_element(cells_.begin(), cells_.end(),
@@ -51,35 +102,63 @@ void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL
   }
 }
 
-void NearEchoes::put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s) {
+void NearEchoes::put(const Eigen::Vector2d& place_W, double gain, const SafetyConfig& config, double now_s) {
   const Key key{static_cast<std::int64_t>(std::floor(place_W.x() / cell_m_)),
                 static_cast<std::int64_t>(std::floor(place_W.y() / cell_m_))};
   Echo echo{place_W, now_s, now_s};
+  std::vector<Echo*> near;
   for (std::int64_t i = key.first - kCellsAcross; i <= key.first + kCellsAcross; ++i) {
     const Key last{i, key.second + kCellsAcross};
     for (auto other = cells_.lower_bound({i, key.second - kCellsAcross}); other != cells_.end(); ++other) {
       if (other->first > last) break;
       // Echoes of the same ping do not confirm each other.
       if (!(other->second.heard_s < now_s) || now_s - other->second.heard_s > config.confirm_s) continue;
-      other->second.confirmed = true;
-      echo.confirmed = true;
+      near.push_back(&other->second);
+      echo.evidence = std::max(echo.evidence, other->second.evidence);
     }
   }
-  const auto known = cells_.find(key);
-  if (known != cells_.end()) echo.confirmed = echo.confirmed || known->second.confirmed;
+  echo.evidence = std::min(echo.evidence + gain, kEnough + kMostEvidence);
+  if (const auto known = cells_.find(key); known != cells_.end()) {
+    echo.evidence = std::max(echo.evidence, known->second.evidence);
+    echo.confirmed = known->second.confirmed;
+  }
+  echo.confirmed = echo.confirmed || echo.evidence >= kEnough;
+  if (echo.evidence >= kEnough) {
+    for (Echo* other : near) {
+      if (!std::exchange(other->confirmed, true)) false_echoes_ = std::max(0.0, false_echoes_ - 1);
+    }
+  }
+  if (!echo.confirmed) ++false_echoes_;
   cells_[key] = echo;
 }
 
-void NearEchoes::hear_silence(const SonarEchoes& look, const SafetyConfig& config, double now_s) {
-  const bool valid = look.fan && look.fan->width.size() == look.silent_m.size() &&
-                     look.fan->azimuth.size() == look.silent_m.size() && look.X_WL.is_finite();
-  if (!valid) return;
-  const Pose X_LW = look.X_WL.inverse();
+/// The metres of beam in which the ping could have heard a false echo, and the ageing of the counts.
+void NearEchoes::count_metres(const SonarEchoes& ping, double reach_m, double now_s) {
+  const double kept = std::exp(-std::max(0.0, now_s - counted_s_) / kCounted_s);
+  counted_s_ = now_s;
+  false_echoes_ *= kept;
+  looked_m_ *= kept;
+  for (const float silent_m : ping.silent_m) {
+    const double metres = std::min(static_cast<double>(silent_m), reach_m) - ping.blanking_m;
+    if (metres > 0) looked_m_ += metres;
+  }
+}
+
+void NearEchoes::look(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s) {
+  count_metres(ping, reach_m, now_s);
+  const double false_per_m = false_echoes_per_m();
+  const Pose X_LW = ping.X_WL.inverse();
   for (auto cell = cells_.begin(); cell != cells_.end();) {
     Echo& echo = cell->second;
-    const Eigen::Vector3d place_W(echo.place_W.x(), echo.place_W.y(), look.X_WL.translation.z());
-    if (is_silent(look, (X_LW * place_W).head<2>(), config.confirm_m)) ++echo.silent_looks;
+    const Eigen::Vector3d place_W(echo.place_W.x(), echo.place_W.y(), ping.X_WL.translation.z());
+    const Look looked = look_at(ping, (X_LW * place_W).head<2>(), config.confirm_m);
+    if (looked.beams > 0) {
+      const double less = Chances(looked.beams, false_per_m, config.confirm_m).of_look();
+      echo.evidence = std::max(0.0, echo.evidence - less);
+    }
+    if (looked.silent) ++echo.silent_looks;
     const bool gone = echo.silent_looks >= kSilentLooks && now_s - echo.heard_s >= kSilent_s;
+    if (gone && echo.confirmed) ++false_echoes_;
     cell = gone ? cells_.erase(cell) : std::next(cell);
   }
 }

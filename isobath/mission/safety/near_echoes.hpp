@@ -1,11 +1,22 @@
 // NearEchoes: the raw echoes around the vehicle on which two pings agree, for a collision check that needs no map
 // (Oskard 1990, III-D; ledger S1-44, S1-F10).
 //
-// One echo may be noise. It is confirmed when another ping has put one within `confirm_m` of it (to a third of that,
-// north and east) in the last `confirm_s`; with a head that steps, this is a neighbouring beam or the next sweep.
+// One echo may be noise. Echoes of different pings within `confirm_m` of each other and within `confirm_s` (to a third of
+// `confirm_m`, north and east) confirm each other where noise hardly explains them: a sequential likelihood-ratio test,
+// counted in looks, for a sonar that looks at a place once in a while and one that looks thirty times a second alike. A
+// look is a ping with a beam within `confirm_m` of the place that nothing nearer blocks. In a look, noise gives an echo
+// there with the probability l = 1 - exp(-n w d): n such beams, w the mean width of the disc (pi / 2 confirm_m), d the
+// density of false echoes, one per metre of beam. A body gives one with the probability b = max(kBodySeen, 4 l). An
+// echo adds ln(b / l), at most kMostEvidence, to what the strongest echo near it has; a look takes b - l away, down to
+// 0. At kEnough, more than any one echo has, they are confirmed. So two echoes do where false echoes are rare, and it
+// takes more of them in clutter. An echo of which no look is known (a range sonar) counts kMostEvidence.
+//
+// The density of false echoes is measured: those that are not confirmed, or were and fell silent, over the metres of
+// beam within reach, of some two minutes. It starts high, as if kFirst_m had held kFirst: what is confirmed wrongly is
+// not counted, so a low start would stay low.
+//
 // Confirmed echoes count for `memory_s` after they were last received. Echoes nearer than the blanking distance do not
-// age: an obstacle does not vanish because the sonar is blind to it. Callers add only echoes that stand out: the rate
-// of false confirmed echoes grows with the square of the false-alarm rate.
+// age: an obstacle does not vanish because the sonar is blind to it.
 //
 // An echo is forgotten sooner where the sonar looks and hears nothing: after kSilentLooks pings and kSilent_s in which
 // the beams that look there, and all beams within `confirm_m` of it, were silent up to `confirm_m` beyond it. So what
@@ -40,12 +51,16 @@ class NearEchoes {
   static constexpr std::size_t kMax = 8192;
   static constexpr int kSilentLooks = 10;
   static constexpr double kSilent_s = 3;
+  static constexpr double kBodySeen = 0.05;   ///< in a look at it: a buoy fills one beam in twenty
+  static constexpr double kMostEvidence = 4;  ///< of one echo
+  static constexpr double kEnough = 6;        ///< to confirm; noise reaches it in one of some 400 tries
+  static constexpr double kFirst = 2.5, kFirst_m = 500;
 
-  /// Echoes of one ping, in L of its instant. Those that are not finite or beyond `reach_m` are left out.
-  void add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
-           double now_s);
-  /// Forgets what is gone by the silence of a ping.
-  void hear_silence(const SonarEchoes& look, const SafetyConfig& config, double now_s);
+  /// One ping: takes its echoes, and forgets what is gone by its silence. Echoes that are not finite or beyond
+  /// `reach_m` are left out.
+  void add(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s);
+  /// An echo of which no look is known, in L.
+  void add(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const SafetyConfig& config, double now_s);
   /// Moves all echoes, after navigation has corrected itself.
   void shift(const Eigen::Vector2d& by_W);
   void clear() { cells_.clear(); }
@@ -54,6 +69,8 @@ class NearEchoes {
   /// The confirmed echoes in the vehicle's frame; valid until the next call. `blanking_m`: blanking distance of the
   /// sonar.
   std::span<const NearEcho> confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config, double now_s);
+  /// False echoes per metre of beam, as measured.
+  [[nodiscard]] double false_echoes_per_m() const { return (kFirst + false_echoes_) / (kFirst_m + looked_m_); }
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
@@ -61,14 +78,22 @@ class NearEchoes {
     Eigen::Vector2d place_W;
     double heard_s = 0;
     double counts_s = 0;  ///< when last received, or nearer than the blanking distance
+    double evidence = 0;  ///< log-likelihood ratio of a body to noise, less the looks since
     bool confirmed = false;
     int silent_looks = 0;  ///< since last received
   };
-  void put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s);
+  void take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, double gain, const SafetyConfig& config,
+            double now_s);
+  void put(const Eigen::Vector2d& place_W, double gain, const SafetyConfig& config, double now_s);
+  void look(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s);
+  void count_metres(const SonarEchoes& ping, double reach_m, double now_s);
+  void bound(const SafetyConfig& config, double now_s);
   void forget(double before_s);
 
   std::map<Key, Echo> cells_;
   double cell_m_ = 1;
+  double false_echoes_ = 0, looked_m_ = 0;  ///< of the last minutes
+  double counted_s_ = 0;
   std::vector<NearEcho> found_;
 };
 

@@ -82,6 +82,15 @@ std::vector<ObstaclePoint> SafetyOfficer::confirmed_echoes(const Pose& X_WL) {
   return left;
 }
 
+/// The columns of voxels that are occupied at the vehicle's depth, in its frame.
+std::vector<ObstaclePoint> SafetyOfficer::solid_points(const Pose& X_WL) const {
+  std::vector<ObstaclePoint> points;
+  const Pose X_LW = X_WL.inverse();
+  for (const Eigen::Vector2d& p : solid_W_)
+    points.push_back({(X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>()});
+  return points;
+}
+
 void SafetyOfficer::check_collision() {
   const bool was = raised(Fault::kCollisionAhead) || raised(Fault::kCollisionUnavoidable);
   if (!was) stopped_ = false;
@@ -107,12 +116,19 @@ void SafetyOfficer::check_collision() {
     choose_circle(X_WL, all);
     return check_escape(X_WL, known);
   }
-  const auto points = along(echoes, t.drift);
+  auto points = along(echoes, t.drift);
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
-  const double way = free_way(points, t.curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
+  const auto free = [&](std::span<const Eigen::Vector2d> of) {
+    return free_way(of, t.curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
+  };
+  const auto voxels = along(solid_points(X_WL), t.drift);
+  const double by_echoes = free(points), way = std::min(by_echoes, free(voxels));
   if (!std::isfinite(way) && !imminent_.raised()) return;
+  points.insert(points.end(), voxels.begin(), voxels.end());
   const double least = stop_way(t.speed, to_seconds(kTick));
-  const std::string where = std::isfinite(way) ? fmt::format("an echo {:.1f} m ahead", way) : "short ranges ahead";
+  const std::string where = !std::isfinite(way) ? "short ranges ahead"
+                            : way < by_echoes   ? fmt::format("an occupied voxel {:.1f} m ahead", way)
+                                                : fmt::format("an echo {:.1f} m ahead", way);
   if (!stopped_ && way < least) {
     const Angle heading = fix_->navigation.X_WB.rotation.heading();
     const bool turned = turn_ && abs((*turn_ - heading).wrapped()) < kTurned;  // an obstacle stands there, too

@@ -72,8 +72,10 @@ std::vector<Field> collision_fields(SafetyConfig& c) {
       Field::real("echo_contrast", &c.echo_contrast, {1, 100}, "1",
                   "Standard deviations above its beam from which an echo counts without a map; more in a fan."),
       Field::real("confirm_m", &c.confirm_m, {0.05, 50}, "m",
-                  "Maximum distance between echoes of two pings that confirm each other."),
-      wait("confirm_s", &c.confirm_s, "Maximum time between echoes of two pings that confirm each other."),
+                  "Maximum distance between echoes of different pings that confirm each other."),
+      wait("confirm_s", &c.confirm_s,
+           "Maximum time between echoes of two pings that confirm each other; how many it takes follows from the "
+           "measured rate of false echoes."),
       wait("memory_s", &c.memory_s, "How long a confirmed echo counts after it was last received."),
       Field::real("reaction_s", &c.reaction_s, {0, 10}, "s",
                   "Time from the decision to stop until the vehicle brakes."),

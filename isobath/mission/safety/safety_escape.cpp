@@ -49,7 +49,7 @@ std::vector<ObstaclePoint> SafetyOfficer::known_points(const Pose& X_WL,
                                                        std::span<const ObstaclePoint> echoes_L) const {
   std::vector<ObstaclePoint> points(echoes_L.begin(), echoes_L.end());
   const Pose X_LW = X_WL.inverse();
-  for (const std::vector<Vector2d>* some : {&mapped_W_, &charted_W_}) {
+  for (const std::vector<Vector2d>* some : {&mapped_W_, &charted_W_, &solid_W_}) {
     for (const Vector2d& p : *some) {
       const Eigen::Vector3d p_W(p.x(), p.y(), X_WL.translation.z());
       if (!passes_by(p_W)) points.push_back({(X_LW * p_W).head<2>()});

@@ -111,7 +111,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* sweep = std::get_if<Sweep>(&message)) on_sweep(*sweep);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan);
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart);
-  if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
+  if (const auto* world = std::get_if<WorldSnapshot>(&message)) on_world(*world);
   if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
   if (const auto* wait = std::get_if<PassageWait>(&message)) waits_for_turn_ = wait->waits;
@@ -170,6 +170,7 @@ void SafetyOfficer::on_fix(const Navigation& fix, Time now) {
       jump_ = fmt::format("a fix {:.1f} m from the predicted position, {:.1f} m allowed", off.norm(), allowed);
       echoes_.shift(off);
       for (Eigen::Vector2d& p : mapped_W_) p += off;
+      solid_W_.clear();
       for (Mover& mover : movers_) {
         for (Eigen::Vector2d& p : mover.outline_W) p += off;
       }
@@ -196,8 +197,7 @@ void SafetyOfficer::on_echoes(const SonarEchoes& echoes, Time now) {
   if (!in_time(kSonar, echoes.time, now)) return;
   if (std::isfinite(echoes.blanking_m)) blanking_m_ = echoes.blanking_m;
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
-  echoes_.add(echoes.echoes_L, echoes.X_WL, reach, config_, clock_s_);
-  echoes_.hear_silence(echoes, config_, clock_s_);
+  echoes_.add(echoes, reach, config_, clock_s_);
 }
 
 void SafetyOfficer::on_range(const RangeReading& reading, Time now) {
@@ -219,7 +219,7 @@ void SafetyOfficer::on_range(const RangeReading& reading, Time now) {
   if (!reading.range_m || std::abs(down) > kDown) return;
   const Eigen::Vector2d echo = (X_LS * Eigen::Vector3d(*reading.range_m, 0, 0)).head<2>();
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
-  echoes_.add({&echo, 1}, X_WL, reach, config_, clock_s_);
+  echoes_.add(echo, X_WL, reach, config_, clock_s_);
 }
 
 void SafetyOfficer::on_altitude(const RangeReading& reading, double down) {
@@ -295,6 +295,13 @@ void SafetyOfficer::on_chart(const ChartedHazards& chart) {
       if ((p - vehicle).norm() < kMapped) charted_W_.push_back(p);
     }
   }
+}
+
+void SafetyOfficer::on_world(const WorldSnapshot& world) {
+  space_ = world.voxels;
+  solid_W_.clear();
+  if (!space_ || !fix_) return;
+  solid_W_ = space_->occupied_columns(fix_->navigation.X_WB.translation, config_.height_margin_m, kMapped);
 }
 
 void SafetyOfficer::on_lost(const AgentLost& lost) {

@@ -10,10 +10,11 @@
 // vehicle that cannot stop, which is sailed at the speed at which it turns fastest; a slow-down is a limit.
 //
 // Collisions: from the ground speed v and the current turn, the hull's path is predicted over v t + v^2 / 2b and a
-// margin. Raw echoes on which two pings agree, and raw ranges, must not lie in it (near_echoes.hpp,
-// imminent_collision.hpp). The vehicle stops while it can; else it turns to the freer side; else it surfaces, and the
-// Safety Officer reports that the collision could not be avoided. A vehicle that cannot stop must always have an escape
-// manoeuvre: a turn, and then a straight line, that meets no known obstacle for `escape_s`. Before an order leads to
+// margin. Raw echoes on which pings agree, raw ranges, and voxels that are occupied up to `height_margin_m` above or
+// below the vehicle must not lie in it (near_echoes.hpp, imminent_collision.hpp; S5-37). The vehicle stops while it
+// can; else it turns to the freer side; else it surfaces, and the Safety Officer reports that the collision could not
+// be avoided. A vehicle that cannot stop must always have an escape manoeuvre: a turn, and then a straight line, that
+// meets no known obstacle for `escape_s`. Before an order leads to
 // where there is none, the Safety Officer takes the last one (safety_escape.cpp). A vehicle that has stopped turns on
 // the spot to the ordered heading, and the stop is over when the path there is free at the ordered speed. Echoes are
 // taken to be at the height of the sonar.
@@ -127,6 +128,7 @@ class SafetyOfficer final : public Agent {
   void on_scan(const ObstacleScan& scan);
   void on_sweep(const Sweep& sweep);
   void on_chart(const ChartedHazards& chart);
+  void on_world(const WorldSnapshot& world);
   void on_lost(const AgentLost& lost);
   void on_point(const PointReport& report);
   void start(const std::shared_ptr<const MissionPlan>& plan);
@@ -163,6 +165,7 @@ class SafetyOfficer final : public Agent {
   [[nodiscard]] bool passes_by(const Eigen::Vector3d& p_W) const;
   [[nodiscard]] std::vector<ObstaclePoint> confirmed_echoes(const Pose& X_WL);
   [[nodiscard]] ObstaclePoint where_now(const NearEcho& echo, const Pose& X_WL) const;
+  [[nodiscard]] std::vector<ObstaclePoint> solid_points(const Pose& X_WL) const;
   [[nodiscard]] std::vector<ObstaclePoint> known_points(const Pose& X_WL,
                                                         std::span<const ObstaclePoint> echoes_L) const;
   /// `wary`: reckons with a current from astern that the headings so far have not shown.
@@ -204,6 +207,7 @@ class SafetyOfficer final : public Agent {
   NearEchoes echoes_;
   std::vector<Eigen::Vector2d> mapped_W_;   ///< points on the outlines of the last scan's obstacles
   std::vector<Eigen::Vector2d> charted_W_;  ///< the same for the hazards of chart and depth map
+  std::vector<Eigen::Vector2d> solid_W_;    ///< columns of voxels that are occupied at the vehicle's depth
   /// A body that moves, at the last sweep.
   struct Mover {
     Polygon outline_W;
