@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <isobath/display/display_state.hpp>
+#include <isobath/display/viewer_feed.hpp>
 #include <isobath/recording/recorded_playback.hpp>
 #include <isobath/run/run_request.hpp>
 #include <isobath/server/page_site.hpp>
@@ -84,7 +85,7 @@ class VehiclePage {
   ~VehiclePage() = default;
 
   [[nodiscard]] RunWatch watch(double speed) {
-    return {&items_, speed, [] { return is_interrupted(); }, [this] { return orders_.next(); }};
+    return {&items_, speed, [] { return is_interrupted(); }, [this] { return orders_.next(); }, &viewers_};
   }
   /// Sources of the page; throws Error as check_page_sources.
   const PageSources& sources(const std::filesystem::path& record, const std::string& token, double speed) {
@@ -97,6 +98,7 @@ class VehiclePage {
     sources_.version = ISOBATH_VERSION;
     sources_.run = std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
     sources_.speed = speed;
+    sources_.viewers = &viewers_;
     check_page_sources(sources_);
     return sources_;
   }
@@ -108,6 +110,7 @@ class VehiclePage {
  private:
   DisplayState items_;
   SharedChanges shared_{items_};
+  ViewerFeed viewers_;
   Orders orders_;
   std::atomic<bool> over_{false};
   PageSources sources_;

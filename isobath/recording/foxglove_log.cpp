@@ -76,18 +76,9 @@ bool FoxgloveLog::Turn::take(Time now, double interval_s) {
   return true;
 }
 
-FoxgloveLog::FoxgloveLog(NativeLogWriter& log, const FoxgloveConfig& config, int group)
-    : log_(log), config_(config), group_(group) {}
-
 /// Does not write empty messages.
 void FoxgloveLog::write(FoxgloveKind kind, const std::string& topic, Time time, const std::string& message) {
-  if (message.empty()) return;
-  const auto [channel, is_new] = channels_.try_emplace(topic);
-  if (is_new) {
-    channel->second =
-        log_.add_channel(topic, "json", {0, foxglove_name(kind), "jsonschema", foxglove_schema(kind)}, group_);
-  }
-  log_.write(channel->second, time, message);
+  if (!message.empty()) write_(kind, topic, time, message);
 }
 
 void FoxgloveLog::on_fix(const Navigation& fix) {

@@ -1,5 +1,5 @@
-// FoxgloveLog: writes a run to channels that Foxglove and other viewers show without a plug-in (io/foxglove.hpp),
-// beside Isobath's own channels in the same log:
+// FoxgloveLog: writes a run to channels that Foxglove and other viewers show without a plug-in (io/foxglove.hpp): in a
+// recording, beside Isobath's own channels, and to viewers that watch the run (viewer_feed.hpp):
 //
 //   /foxglove/tf, /pose        pose of the vehicle                      FrameTransform, PoseInFrame
 //   /foxglove/location         its geographic position, if known        LocationFix
@@ -13,18 +13,19 @@
 //
 // The configuration bounds the rates. All voxels are written at once, less often the more there are: 20 kB a second of
 // the run on average. An image has at most kMaxPixels a side; a pixel shows the loudest sample that it covers. Errors:
-// those of the log's writer. One thread at a time.
+// those of `write`. One thread at a time.
 #pragma once
 
+#include <functional>
 #include <isobath/configuration/recorder_config.hpp>
 #include <isobath/io/mcap/foxglove.hpp>
-#include <isobath/io/mcap/native_log.hpp>
 #include <isobath/mission/command/bus.hpp>
 #include <isobath/sonar/sensor_table.hpp>
 #include <isobath/world/result_sinks.hpp>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace isobath {
@@ -35,8 +36,10 @@ class FoxgloveLog {
   static constexpr std::size_t kMaxPoints = 20'000;  ///< echoes in a message
   static constexpr std::size_t kMaxTrack = 512;      ///< points of the track; beyond, every other one is dropped
 
-  /// `log` must outlive it; `group` of its channels.
-  FoxgloveLog(NativeLogWriter& log, const FoxgloveConfig& config, int group);
+  /// Takes a message for a topic; each topic has one kind.
+  using Writer = std::function<void(FoxgloveKind, const std::string& topic, Time, const std::string& message)>;
+
+  FoxgloveLog(Writer write, const FoxgloveConfig& config) : write_(std::move(write)), config_(config) {}
 
   /// The geographic origin of W.
   void locate(const GeoOrigin& origin) { plane_.emplace(origin); }
@@ -71,10 +74,8 @@ class FoxgloveLog {
   void add_echoes(const PosedPing& posed);
   void add_image(const PosedPing& posed);
 
-  NativeLogWriter& log_;
+  Writer write_;
   FoxgloveConfig config_;
-  int group_;
-  std::map<std::string, std::uint16_t> channels_;
   std::optional<LocalPlane> plane_;
   Turn pose_, points_, grid_, track_turn_;
   std::vector<FoxglovePoint> echoes_;

@@ -65,6 +65,8 @@ RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSet
     replay_.emplace(request.configuration.report);
   if (!request.watch && !recorder_ && !replay_) return;
   display_.emplace(*shown_);
+  if (request.watch && request.watch->viewers)
+    show_to(*request.watch->viewers, request.configuration.recorder.foxglove);
   if (!request.has_real_threads()) return;
   voxels_.emplace(*shown_);
   thread_.emplace(kWaiting);
@@ -80,6 +82,17 @@ void RunDisplay::begin_recording(const RunRequest& request, const std::optional<
   if (setup) recorder_->describe(*setup);
 }
 
+void RunDisplay::show_to(ViewerFeed& viewers, const FoxgloveConfig& config) {
+  viewers_ = &viewers;
+  foxglove_.emplace(
+      [&viewers](FoxgloveKind kind, const std::string& topic, Time time, const std::string& message) {
+        const ViewerFeed::Channel channel{topic, foxglove_name(kind), foxglove_schema(kind),
+                                          kind == FoxgloveKind::kLog};
+        viewers.write(viewers.open(channel), time, message);
+      },
+      config);
+}
+
 // Called by the source thread ----------------------------------------------------------------------------------------
 
 void RunDisplay::on_event(const Event& event) {
@@ -92,6 +105,7 @@ void RunDisplay::show_event(const Event& event, const std::optional<GeoOrigin>& 
     if (origin) recorder_->locate(*origin);
     recorder_->on_event(event);
   }
+  if (foxglove_ && origin) foxglove_->locate(*origin);
   if (!std::holds_alternative<Navigation>(event)) display_->on_event(event);
 }
 
@@ -99,6 +113,7 @@ void RunDisplay::on_fix(const Navigation& fix) { post(Kind::kNote, &RunDisplay::
 
 void RunDisplay::show_fix(const Navigation& fix) {
   if (recorder_) recorder_->on_fix(fix);
+  if (foxglove_) foxglove_->on_fix(fix);
   display_->on_event(fix);
 }
 
@@ -159,6 +174,11 @@ void RunDisplay::sample(Time time) { post(Kind::kNote, &RunDisplay::show_sample,
 void RunDisplay::show_sample(const Time& time) {
   if (recorder_) recorder_->sample(time, *shown_);
   if (replay_) replay_->sample(time, *shown_);
+  if (!foxglove_ || !show_again(foxglove_sampled_, time, kLookInterval)) return;
+  foxglove_sampled_ = time;
+  const DisplayState::Changes changes = shown_->changes_after(foxglove_stamp_);
+  foxglove_stamp_ = changes.stamp;
+  foxglove_->on_display(time, changes.records);
 }
 
 // Called by the mapping thread ---------------------------------------------------------------------------------------
@@ -167,6 +187,7 @@ void RunDisplay::on_ping(const PosedPing& ping) { post(Kind::kPing, &RunDisplay:
 
 void RunDisplay::show_ping(const PosedPing& ping) {
   if (recorder_) recorder_->on_ping(ping);
+  if (foxglove_ && viewers_->watched()) foxglove_->on_ping(ping);
   display_->on_ping(ping);
 }
 
@@ -174,6 +195,7 @@ void RunDisplay::on_vertical_ping(const PosedPing& ping) { post(Kind::kPing, &Ru
 
 void RunDisplay::show_vertical_ping(const PosedPing& ping) {
   if (recorder_) recorder_->on_vertical_ping(ping);
+  if (foxglove_ && viewers_->watched()) foxglove_->on_ping(ping);
   display_->on_vertical_ping(ping);
 }
 
@@ -181,6 +203,7 @@ void RunDisplay::on_scan(const ScanResult& scan) { post(Kind::kPing, &RunDisplay
 
 void RunDisplay::show_scan(const ScanResult& scan) {
   if (recorder_) recorder_->on_scan(scan);
+  if (foxglove_) foxglove_->on_scan(scan);
   display_->on_scan(scan);
 }
 
@@ -243,6 +266,7 @@ void RunDisplay::on_message(const Envelope& envelope) { post(Kind::kNote, &RunDi
 void RunDisplay::show_message(const Envelope& envelope) {
   display_->on_message(envelope);
   if (recorder_) recorder_->on_message(envelope);
+  if (foxglove_) foxglove_->on_message(envelope);
   if (counts_ && display_->wants_counts(envelope.time)) show_counts(envelope.time);  // shows a fault at once
 }
 

@@ -92,6 +92,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   struct KeptPing;
   struct KeptScan;
   void begin_recording(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input);
+  void show_to(ViewerFeed& viewers, const FoxgloveConfig& config);
   /// Shows something: at once, or, live, a copy of it in the display thread.
   void show_servo(const Time& time, const std::uint64_t& parent, const ServoCommands& commands);
   template <class... Told>
@@ -127,6 +128,10 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   std::optional<EmbeddedReplay> replay_;
   std::optional<Display> display_;
   std::optional<RunRecorder> recorder_;
+  ViewerFeed* viewers_ = nullptr;        ///< null: there can be none
+  std::optional<FoxgloveLog> foxglove_;  ///< to the viewers
+  std::optional<Time> foxglove_sampled_;
+  std::uint64_t foxglove_stamp_ = 0;  ///< of the items at the last sample
 
   // Live.
   std::optional<MapDisplay> voxels_;                          ///< mapping thread

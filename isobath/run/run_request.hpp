@@ -5,6 +5,7 @@
 #include <functional>
 #include <isobath/configuration/configuration.hpp>
 #include <isobath/display/display_state.hpp>
+#include <isobath/display/viewer_feed.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <optional>
 
@@ -17,6 +18,7 @@ struct RunWatch {
   std::function<bool()> stopped;    ///< called before each event: whether to end here, as if the input ended
   /// Called before each event of a simulated mission: an order from the page, if there is one.
   std::function<std::optional<OperatorCommand::Kind>()> ordered;
+  ViewerFeed* viewers = nullptr;  ///< filled during the run, for viewers of other makers
 };
 
 class Aboard;

@@ -93,17 +93,30 @@ void HttpConnection::report(bool health) {
   send(response_of(http::status::ok, type, "no-store"), text_);
 }
 
-void HttpConnection::upgrade(http::request<http::empty_body> request, const WebSite::OpenSession& open) {
+void HttpConnection::upgrade(http::request<http::empty_body> request, const WebSite::Socket& wanted) {
   if (head_ || !websocket::is_upgrade(request) || buffer_.size() > 0) {
     return refuse(http::status::upgrade_required, "no_upgrade");
   }
   const auto origin = request.find(http::field::origin);
-  if (origin != request.end() && !is_origin_of(view(origin->value()), host_)) {
+  if (origin != request.end() && !may_open(view(origin->value()), wanted)) {
     return refuse(http::status::forbidden, "origin");
+  }
+  std::string protocol;
+  if (!wanted.protocols.empty()) {
+    const auto offered = names_of_list(view(request[http::field::sec_websocket_protocol]));
+    const auto agreed = std::ranges::find_first_of(wanted.protocols, offered);
+    if (agreed == wanted.protocols.end()) return refuse(http::status::bad_request, "protocol");
+    protocol = *agreed;
   }
   const bool full = hub_.clients.size() >= static_cast<std::size_t>(hub_.config.max_clients);
   stream_.expires_never();
-  std::make_shared<SocketClient>(hub_, std::move(stream_), std::move(place_), open)->accept(std::move(request), full);
+  std::make_shared<SocketClient>(hub_, std::move(stream_), std::move(place_), wanted)
+      ->accept(std::move(request), full, protocol);
+}
+
+bool HttpConnection::may_open(std::string_view origin, const WebSite::Socket& wanted) const {
+  if (is_origin_of(origin, host_)) return true;
+  return wanted.foreign && std::ranges::find(hub_.viewer_origins, origin) != hub_.viewer_origins.end();
 }
 
 HttpConnection::Response HttpConnection::response_of(http::status status, std::string_view type,

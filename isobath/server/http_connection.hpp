@@ -28,7 +28,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void on_read(error_code ec);
   void answer(http::request<http::empty_body> request);
   void report(bool health);
-  void upgrade(http::request<http::empty_body> request, const WebSite::OpenSession& open);
+  void upgrade(http::request<http::empty_body> request, const WebSite::Socket& wanted);
+  [[nodiscard]] bool may_open(std::string_view origin, const WebSite::Socket& wanted) const;
   Response response_of(http::status status, std::string_view type, std::string_view cache) const;
   void refuse(http::status status, std::string_view reason);
 

@@ -25,6 +25,7 @@
 #include <chrono>
 #include <functional>
 #include <isobath/display/playback.hpp>
+#include <isobath/display/viewer_feed.hpp>
 #include <isobath/server/link_pace.hpp>
 #include <isobath/server/packed_records.hpp>
 #include <isobath/server/page_request.hpp>
@@ -52,6 +53,7 @@ struct PageSources {
   std::string version = {};          ///< a page of another version should reload
   std::string run = {};              ///< differs from that of any other run; empty: the recording tells it
   std::optional<double> speed = {};  ///< of the run, times real time; 0: no limit
+  ViewerFeed* viewers = nullptr;     ///< for viewers of other makers, at /foxglove; null: none
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 

@@ -1,5 +1,6 @@
 #include <isobath/base/error.hpp>
 #include <isobath/display/live_page.hpp>
+#include <isobath/server/foxglove_session.hpp>
 #include <isobath/server/packed_records.hpp>
 #include <isobath/server/page_site.hpp>
 #include <nlohmann/json.hpp>
@@ -23,8 +24,14 @@ WebSite page_site(std::span<const PageSources* const> vehicles) {
     const std::string path = v == 0 ? "/" : "/vehicle/" + std::to_string(v + 1) + "/";
     site.files[path] = file;
     const auto open = [source = vehicles[v]](bool paced) { return std::make_unique<PageSession>(*source, paced); };
-    site.sockets[path + "socket"] = [open] { return open(false); };
-    site.sockets[path + "socket/paced"] = [open] { return open(true); };
+    site.sockets[path + "socket"].open = [open] { return open(false); };
+    site.sockets[path + "socket/paced"].open = [open] { return open(true); };
+    if (vehicles[v]->viewers == nullptr) continue;
+    site.sockets[path + "foxglove"] = {[source = vehicles[v]] {
+                                         return std::make_unique<FoxgloveSession>(
+                                             *source->viewers, "Isobath " + source->version, source->run);
+                                       },
+                                       foxglove_protocols(), true};
   }
   const PageSources& sources = *vehicles.front();
   site.health = [&sources] {

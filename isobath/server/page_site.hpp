@@ -1,5 +1,6 @@
 // The site of the live page: its file, its sessions, and its pages for machines (/health, /metrics). Where a group of
-// vehicles runs, each vehicle has a page of its own: that of the first at /, that of the second at /vehicle/2/.
+// vehicles runs, each vehicle has a page of its own: that of the first at /, that of the second at /vehicle/2/. Viewers
+// that speak the Foxglove protocol connect to /foxglove, /vehicle/2/foxglove.
 #pragma once
 
 #include <isobath/server/page_session.hpp>

@@ -9,14 +9,14 @@ constexpr int kFloodSeconds = 2;   ///< consecutive seconds at the limit of byte
 
 }  // namespace
 
-SocketClient::SocketClient(Hub& hub, Stream stream, Seating place, const WebSite::OpenSession& open)
+SocketClient::SocketClient(Hub& hub, Stream stream, Seating place, const WebSite::Socket& wanted)
     : hub_(hub),
       place_(std::move(place)),
       socket_(std::move(stream)),
       pause_(hub.context),
       messages_(hub.config.messages_hz),
       controls_(hub.config.messages_hz),
-      open_session_(open) {
+      wanted_(wanted) {
   hub_.clients.insert(this);
 }
 
@@ -25,12 +25,16 @@ SocketClient::~SocketClient() {
   if (session_) hub_.count([](WebCounts& c) { --c.clients; });
 }
 
-void SocketClient::accept(http::request<http::empty_body> request, bool full) {
+void SocketClient::accept(http::request<http::empty_body> request, bool full, const std::string& protocol) {
   const WebServerConfig& c = hub_.config;
   socket_.set_option(websocket::stream_base::timeout{ticks_of(c.request_s), ticks_of(c.silent_s), true});
   socket_.read_message_max(static_cast<std::size_t>(c.max_message_bytes));
   socket_.auto_fragment(false);
-  socket_.binary(true);
+  if (!protocol.empty()) {
+    socket_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
+      response.set(http::field::sec_websocket_protocol, protocol);
+    }));
+  }
   socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
     const bool close = kind == websocket::frame_type::close;
     if (close || controls_.take(Clock::now()) < std::chrono::seconds(1)) return;
@@ -71,7 +75,7 @@ void SocketClient::drop() {
 Stream& SocketClient::lowest() { return beast::get_lowest_layer(socket_); }
 
 void SocketClient::open() {
-  if (call([&] { session_ = open_session_(); })) {
+  if (call([&] { session_ = wanted_.open(); })) {
     hub_.count([](WebCounts& c) { ++c.clients, ++c.clients_ever; });
     ask();
   }
@@ -160,6 +164,7 @@ void SocketClient::ask() {
   if (!call([&] { frame_ = session_->next(); }) || frame_.bytes() == 0) return;
   writing_ = true;
   sent_ = 0;
+  socket_.text(frame_.text);
   write();
 }
 

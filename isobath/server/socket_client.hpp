@@ -29,14 +29,15 @@ class Allowance {
 
 class SocketClient : public std::enable_shared_from_this<SocketClient> {
  public:
-  /// `open` is of the hub's site.
-  SocketClient(Hub& hub, Stream stream, Seating place, const WebSite::OpenSession& open);
+  /// `wanted` is of the hub's site.
+  SocketClient(Hub& hub, Stream stream, Seating place, const WebSite::Socket& wanted);
   SocketClient(const SocketClient&) = delete;
   SocketClient& operator=(const SocketClient&) = delete;
   ~SocketClient();
   /// `full`: there are as many clients as there may be. A browser tells a page why a socket was closed, but not why one
   /// was refused, so the client is let in and told to try again later.
-  void accept(http::request<http::empty_body> request, bool full);
+  /// `protocol`: the sub-protocol that was agreed on; empty: none.
+  void accept(http::request<http::empty_body> request, bool full, const std::string& protocol);
 
   /// Called once per frame period.
   void tick(Clock::time_point now);
@@ -68,7 +69,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
   net::steady_timer pause_;
   Allowance messages_, controls_;
   http::request<http::empty_body> request_;
-  const WebSite::OpenSession& open_session_;
+  const WebSite::Socket& wanted_;
   std::unique_ptr<WebSession> session_;
   beast::flat_buffer heard_;
   int fragments_ = 0;

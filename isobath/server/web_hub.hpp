@@ -84,11 +84,12 @@ class SocketClient;
 /// A connection lives as long as one of its operations is pending; all operations end with the context, which is
 /// destroyed first.
 struct Hub {
-  Hub(const WebServerConfig& c, WebSite s) : config(c), site(std::move(s)), hosts(names_of_list(c.hosts)) {}
+  Hub(const WebServerConfig& c, WebSite s)
+      : config(c), site(std::move(s)), hosts(names_of_list(c.hosts)), viewer_origins(names_of_list(c.viewer_origins)) {}
 
   WebServerConfig config;
   WebSite site;
-  std::vector<std::string> hosts;
+  std::vector<std::string> hosts, viewer_origins;
   mutable std::mutex mutex;  ///< guards the counts
   WebCounts counts;
   std::map<std::uint64_t, HttpConnection*> requesting;  ///< the oldest first

@@ -10,10 +10,10 @@
 // most kUnsentBytes in the system. The server drops a client that takes nothing for `stalled_s`.
 //
 // By default the server listens to this machine only (`address`) and serves its own pages only: it refuses a Host that
-// is neither a numeric address, localhost nor one of `hosts`, and a socket that a page of another origin opens. A
-// request is bounded: 8192 bytes of header, no body, complete within `request_s`. A client is bounded in message
-// size, messages per second and bytes per second. Everything refused, held back or dropped is counted by reason. There
-// is no TLS.
+// is neither a numeric address, localhost nor one of `hosts`, and a socket that a page of another origin opens, but for
+// a viewer of one of `viewer_origins` where the site lets viewers in (WebSite::Socket). A request is bounded: 8192
+// bytes of header, no body, complete within `request_s`. A client is bounded in message size, messages per second and
+// bytes per second. Everything refused, held back or dropped is counted by reason. There is no TLS.
 //
 // The server has one thread of its own; no other thread waits for it. Errors: the constructor throws Error if the
 // address cannot be used. Later nothing is thrown; an exception of a session or of the site ends that request.

@@ -9,6 +9,9 @@ std::vector<Field> fields(WebServerConfig& c) {
                   "Address at which the page is served: 127.0.0.1 is this machine only, 0.0.0.0 all."),
       Field::integer("port", &c.port, {0, 65535}, "1", "Port; 0: any free port."),
       Field::text("hosts", &c.hosts, "Host names that requests may use besides addresses, separated by commas."),
+      Field::text("viewer_origins", &c.viewer_origins,
+                  "Origins of pages elsewhere that may watch through /foxglove, such as https://app.foxglove.dev, "
+                  "separated by commas."),
       Field::integer("max_clients", &c.max_clients, {1, 1000}, "1", "Pages on the socket at a time.")
           .was("most_clients"),
       Field::integer("max_connections", &c.max_connections, {2, 10000}, "1", "Connections at a time, including pages.")

@@ -11,6 +11,7 @@ struct WebServerConfig {
   std::string address = "127.0.0.1";
   int port = 8484;  ///< 0: any free port
   std::string hosts;
+  std::string viewer_origins;
   int max_clients = 16;
   int max_connections = 64;
   int max_message_bytes = 4096;

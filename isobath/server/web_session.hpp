@@ -18,11 +18,12 @@ struct Hearing {
   bool hang_up = false;
 };
 
-/// One binary message: a part that is shared between clients, then a part of this client.
+/// One message: a part that is shared between clients, then a part of this client.
 struct WebFrame {
   std::shared_ptr<const std::string> shared = nullptr;
   std::string own = {};
   bool more = false;  ///< ask again as soon as this is sent
+  bool text = false;  ///< a text message (UTF-8), not a binary one
 
   [[nodiscard]] std::size_t bytes() const { return (shared ? shared->size() : 0) + own.size(); }
 };

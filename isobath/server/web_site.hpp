@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace isobath {
 
@@ -19,9 +20,16 @@ struct WebFile {
 struct WebSite {
   std::map<std::string, WebFile, std::less<>> files;  ///< by path: "/"
   using OpenSession = std::function<std::unique_ptr<WebSession>()>;
-  std::map<std::string, OpenSession, std::less<>> sockets;  ///< by path: "/socket"
-  std::function<std::string()> health = {};                 ///< a JSON object
-  std::function<std::string()> metrics = {};                ///< lines to append to the server's own
+  struct Socket {
+    OpenSession open;
+    /// Sub-protocols of the socket, of which a client must offer one; empty: none.
+    std::vector<std::string> protocols = {};
+    /// Whether pages of the origins that the server's settings name may open it, and not only its own.
+    bool foreign = false;
+  };
+  std::map<std::string, Socket, std::less<>> sockets;  ///< by path: "/socket"
+  std::function<std::string()> health = {};            ///< a JSON object
+  std::function<std::string()> metrics = {};           ///< lines to append to the server's own
 };
 
 }  // namespace isobath

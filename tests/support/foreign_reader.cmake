@@ -1,8 +1,8 @@
-# Files that we write, read by somebody else's reader, which npm installs.
+# What we write, read by somebody else's reader, which npm installs.
 #
-# isobath_foreign_reader_test(NAME WRITER READER [ARGUMENT...]) adds a test: the program WRITER fills a folder, the
+# isobath_foreign_reader_test(NAME WRITER READER [ARGUMENT...]) adds a test: the target WRITER fills a folder, the
 # script READER of this folder reads it with the packages of package.json beside it; @WRITTEN@ in an argument is the
-# folder. Skipped with a notice where npm cannot give the packages.
+# folder. Without a writer ("") the script itself starts what it tests. Skipped with a notice where npm cannot give the packages.
 #
 # As a script (cmake -P) it is that test; the packages are installed into WORK once.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
@@ -13,8 +13,11 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     mark_as_advanced(ISOBATH_NODE ISOBATH_NPM)
     set(work ${CMAKE_CURRENT_BINARY_DIR})
     string(REPLACE "@WRITTEN@" "${work}/written" arguments "${ARGN}")
+    if(writer)
+      set(writer $<TARGET_FILE:${writer}>)
+    endif()
     add_test(NAME ${name}
-             COMMAND ${CMAKE_COMMAND} -DNODE=${ISOBATH_NODE} -DNPM=${ISOBATH_NPM} -DWRITER=$<TARGET_FILE:${writer}>
+             COMMAND ${CMAKE_COMMAND} -DNODE=${ISOBATH_NODE} -DNPM=${ISOBATH_NPM} -DWRITER=${writer}
                      -DREADER=${reader} "-DARGUMENTS=${arguments}" -DSOURCE=${CMAKE_CURRENT_SOURCE_DIR} -DWORK=${work}
                      -P ${ISOBATH_FOREIGN_READER})
     set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 300)
@@ -37,5 +40,7 @@ if(NOT EXISTS ${WORK}/installed-${lock})
   endif()
   file(TOUCH ${WORK}/installed-${lock})
 endif()
-execute_process(COMMAND ${WRITER} ${WORK}/written COMMAND_ERROR_IS_FATAL ANY)
+if(WRITER)
+  execute_process(COMMAND ${WRITER} ${WORK}/written COMMAND_ERROR_IS_FATAL ANY)
+endif()
 execute_process(COMMAND ${NODE} ${WORK}/${READER} ${ARGUMENTS} COMMAND_ERROR_IS_FATAL ANY)

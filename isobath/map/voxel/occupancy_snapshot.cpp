@@ -139,8 +139,8 @@ std::vector<Eigen::Vector2d> OccupancySnapshot::occupied_columns(const Eigen::Ve
   if (high.z() < low.z()) return columns;
   for (int x = low.x(); x <= high.x(); ++x) {
     for (int y = low.y(); y <= high.y(); ++y) {
-      const std::span<const SpaceCell> layer =
-          column(x, y).subspan(static_cast<std::size_t>(low.z() - least_.z()), static_cast<std::size_t>(high.z() - low.z() + 1));
+      const std::span<const SpaceCell> layer = column(x, y).subspan(static_cast<std::size_t>(low.z() - least_.z()),
+                                                                    static_cast<std::size_t>(high.z() - low.z() + 1));
       if (std::ranges::find(layer, SpaceCell::kOccupied) == layer.end()) continue;
       columns.emplace_back((x + 0.5) * voxel_m_, (y + 0.5) * voxel_m_);
     }

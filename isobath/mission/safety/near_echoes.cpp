@@ -70,8 +70,7 @@ void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig
   const bool looks = has_beams(ping);
   for (const Eigen::Vector2d& echo : ping.echoes_L) {
     const int beams = looks && echo.allFinite() ? look_at(ping, echo, config.confirm_m).beams : 0;
-    const double gain =
-        beams > 0 ? Chances(beams, false_echoes_per_m(), config.confirm_m).of_echo() : kMostEvidence;
+    const double gain = beams > 0 ? Chances(beams, false_echoes_per_m(), config.confirm_m).of_echo() : kMostEvidence;
     take(echo, ping.X_WL, reach_m, gain, config, now_s);
   }
   if (looks) look(ping, reach_m, config, now_s);

@@ -1,15 +1,16 @@
 // NearEchoes: the raw echoes around the vehicle on which two pings agree, for a collision check that needs no map
 // (Oskard 1990, III-D; ledger S1-44, S1-F10).
 //
-// One echo may be noise. Echoes of different pings within `confirm_m` of each other and within `confirm_s` (to a third of
-// `confirm_m`, north and east) confirm each other where noise hardly explains them: a sequential likelihood-ratio test,
-// counted in looks, for a sonar that looks at a place once in a while and one that looks thirty times a second alike. A
-// look is a ping with a beam within `confirm_m` of the place that nothing nearer blocks. In a look, noise gives an echo
-// there with the probability l = 1 - exp(-n w d): n such beams, w the mean width of the disc (pi / 2 confirm_m), d the
-// density of false echoes, one per metre of beam. A body gives one with the probability b = max(kBodySeen, 4 l). An
-// echo adds ln(b / l), at most kMostEvidence, to what the strongest echo near it has; a look takes b - l away, down to
-// 0. At kEnough, more than any one echo has, they are confirmed. So two echoes do where false echoes are rare, and it
-// takes more of them in clutter. An echo of which no look is known (a range sonar) counts kMostEvidence.
+// One echo may be noise. Echoes of different pings within `confirm_m` of each other and within `confirm_s` (to a third
+// of `confirm_m`, north and east) confirm each other where noise hardly explains them: a sequential likelihood-ratio
+// test, counted in looks, for a sonar that looks at a place once in a while and one that looks thirty times a second
+// alike. A look is a ping with a beam within `confirm_m` of the place that nothing nearer blocks. In a look, noise
+// gives an echo there with the probability l = 1 - exp(-n w d): n such beams, w the mean width of the disc (pi / 2
+// confirm_m), d the density of false echoes, one per metre of beam. A body gives one with the probability b =
+// max(kBodySeen, 4 l). An echo adds ln(b / l), at most kMostEvidence, to what the strongest echo near it has; a look
+// takes b - l away, down to 0. At kEnough, more than any one echo has, they are confirmed. So two echoes do where false
+// echoes are rare, and it takes more of them in clutter. An echo of which no look is known (a range sonar) counts
+// kMostEvidence.
 //
 // The density of false echoes is measured: those that are not confirmed, or were and fell silent, over the metres of
 // beam within reach, of some two minutes. It starts high, as if kFirst_m had held kFirst: what is confirmed wrongly is

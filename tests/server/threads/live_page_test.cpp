@@ -89,7 +89,7 @@ TEST(LivePage, EachPageEndsWithWhatTheRunHas) {
   config.port = 0;
   config.frames_hz = 60;
   WebSite site;
-  site.sockets["/socket"] = [&] { return std::make_unique<PageSession>(sources); };
+  site.sockets["/socket"].open = [&] { return std::make_unique<PageSession>(sources); };
   WebServer server(config, std::move(site));
 
   constexpr int kSteps = 300;
@@ -154,7 +154,7 @@ TEST(LivePage, TheRunGoesToItsEndWhileAPageHoldsTheServerUp) {
   WebServerConfig config;
   config.port = 0;
   WebSite site;
-  site.sockets["/socket"] = [&] { return std::make_unique<HeldPage>(sources, held, let_go); };
+  site.sockets["/socket"].open = [&] { return std::make_unique<HeldPage>(sources, held, let_go); };
   WebServer server(config, std::move(site));
 
   Reader page;
@@ -191,7 +191,7 @@ TEST(LivePage, CommandsComeThroughForWhoMayGiveThem) {
   WebServerConfig config;
   config.port = 0;
   WebSite site;
-  site.sockets["/socket"] = [&] { return std::make_unique<PageSession>(sources); };
+  site.sockets["/socket"].open = [&] { return std::make_unique<PageSession>(sources); };
   WebServer server(config, std::move(site));
 
   SocketPage guesser(server.port());

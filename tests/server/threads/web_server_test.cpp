@@ -63,7 +63,7 @@ struct Site {
     WebSite site;
     site.files["/"] = {"text/html; charset=utf-8", "<p>page</p>", "gzipped page"};
     site.files["/large"] = {"text/plain", std::string(3'000'000, 'x')};
-    site.sockets["/socket"] = [this] { return std::make_unique<NumberSession>(shown); };
+    site.sockets["/socket"].open = [this] { return std::make_unique<NumberSession>(shown); };
     site.health = [this] {
       ++reports;
       return std::string(R"({"state": "well"})");
