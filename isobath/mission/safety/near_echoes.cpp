@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <isobath/base/angle.hpp>
 #include <isobath/mission/safety/near_echoes.hpp>
@@ -15,6 +16,7 @@ constexpr double kFarthest = 1e8;         // m from the origin: farther places a
 constexpr double kStraight = 1e-6;        // 1/m
 constexpr double kBeamHigh_m = 1;         // above and below its axis: where a beam is as high, it looks at an echo
 constexpr double kClearly = 4;            // times the chance of noise: what a body gives at least
+constexpr double kAlways = 0.95;          // largest share of the looks
 constexpr double kCounted_s = 120;        // in which the counts of false echoes fall to 1 / e
 
 /// How the beams of one ping look at a place.
@@ -51,17 +53,52 @@ Look look_at(const SonarEchoes& ping, const Eigen::Vector2d& place_L, double apa
   return look;
 }
 
-/// Chances of an echo in a look: of noise, and of a body.
-struct Chances {
-  Chances(int beams, double false_per_m, double apart_m)
-      : noise(-std::expm1(-beams * false_per_m * 0.5 * std::numbers::pi * apart_m)),
-        body(std::min(1.0, std::max(NearEchoes::kBodySeen, kClearly * noise))) {}
-  [[nodiscard]] double of_echo() const {
-    return noise > 0 ? std::min(NearEchoes::kMostEvidence, std::log(body / noise)) : NearEchoes::kMostEvidence;
+using Evidence = std::array<double, NearEchoes::kBodies.size()>;
+
+constexpr Evidence kUnknownLook{NearEchoes::kMostEvidence, NearEchoes::kMostEvidence, NearEchoes::kMostEvidence};
+
+/// The chance that noise gives so many echoes or more, of which `mean` are expected.
+double chance_of(int echoes, double mean) {
+  double none_to_fewer = 0, of_k = std::exp(-mean);
+  for (int k = 0; k < echoes; ++k) {
+    none_to_fewer += of_k;
+    of_k *= mean / (k + 1);
   }
-  [[nodiscard]] double of_look() const { return body - noise; }
-  double noise, body;
+  return echoes == 1 ? -std::expm1(-mean) : std::max(0.0, 1 - none_to_fewer);
+}
+
+/// What `echoes` in a look, and a look without one, add to the evidence of each kind of body.
+struct Gains {
+  Gains(int beams, int echoes, double false_per_m, double apart_m) {
+    const double mean = beams * false_per_m * 0.5 * std::numbers::pi * apart_m;
+    const double any = chance_of(1, mean), noise = chance_of(echoes, mean);
+    for (std::size_t i = 0; i < echo.size(); ++i) {
+      const double body = std::min(kAlways, std::max(NearEchoes::kBodies[i], kClearly * any));
+      echo[i] = noise > 0 ? std::min(NearEchoes::kMostEvidence, std::log(body / noise)) : NearEchoes::kMostEvidence;
+      silence[i] = std::min(0.0, std::log1p(-body) - std::log1p(-std::min(kAlways, any)));
+    }
+  }
+  Evidence echo{}, silence{};
 };
+
+int echoes_near(const SonarEchoes& ping, const Eigen::Vector2d& place_L, double apart_m) {
+  const auto is_near = [&](const Eigen::Vector2d& echo) { return (echo - place_L).norm() <= apart_m; };
+  return static_cast<int>(std::ranges::count_if(ping.echoes_L, is_near));
+}
+
+Evidence greater(const Evidence& a, const Evidence& b) {
+  Evidence most = a;
+  for (std::size_t i = 0; i < b.size(); ++i) most[i] = std::max(most[i], b[i]);
+  return most;
+}
+
+/// Of the mean of the likelihood ratios.
+double total(const Evidence& evidence) {
+  const double most = *std::ranges::max_element(evidence);
+  double sum = 0;
+  for (const double e : evidence) sum += std::exp(e - most);
+  return most + std::log(sum / static_cast<double>(evidence.size()));
+}
 
 }  // namespace
 
@@ -70,7 +107,11 @@ void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig
   const bool looks = has_beams(ping);
   for (const Eigen::Vector2d& echo : ping.echoes_L) {
     const int beams = looks && echo.allFinite() ? look_at(ping, echo, config.confirm_m).beams : 0;
-    const double gain = beams > 0 ? Chances(beams, false_echoes_per_m(), config.confirm_m).of_echo() : kMostEvidence;
+    Evidence gain = kUnknownLook;
+    if (beams > 0) {
+      const int echoes = echoes_near(ping, echo, config.confirm_m);
+      gain = Gains(beams, echoes, false_echoes_per_m(), config.confirm_m).echo;
+    }
     take(echo, ping.X_WL, reach_m, gain, config, now_s);
   }
   if (looks) look(ping, reach_m, config, now_s);
@@ -80,11 +121,11 @@ void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig
 void NearEchoes::add(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
                      double now_s) {
   if (!X_WL.is_finite()) return;
-  take(echo_L, X_WL, reach_m, kMostEvidence, config, now_s);
+  take(echo_L, X_WL, reach_m, kUnknownLook, config, now_s);
   bound(config, now_s);
 }
 
-void NearEchoes::take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, double gain,
+void NearEchoes::take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain,
                       const SafetyConfig& config, double now_s) {
   cell_m_ = config.confirm_m / kCellsAcross;
   if (!echo_L.allFinite() || !(echo_L.norm() <= reach_m)) return;
@@ -101,7 +142,7 @@ void NearEchoes::bound(const SafetyConfig& config, double now_s) {
   }
 }
 
-void NearEchoes::put(const Eigen::Vector2d& place_W, double gain, const SafetyConfig& config, double now_s) {
+void NearEchoes::put(const Eigen::Vector2d& place_W, const Evidence& gain, const SafetyConfig& config, double now_s) {
   const Key key{static_cast<std::int64_t>(std::floor(place_W.x() / cell_m_)),
                 static_cast<std::int64_t>(std::floor(place_W.y() / cell_m_))};
   Echo echo{place_W, now_s, now_s};
@@ -112,17 +153,20 @@ void NearEchoes::put(const Eigen::Vector2d& place_W, double gain, const SafetyCo
       if (other->first > last) break;
       // Echoes of the same ping do not confirm each other.
       if (!(other->second.heard_s < now_s) || now_s - other->second.heard_s > config.confirm_s) continue;
+      if (!((other->second.place_W - place_W).norm() <= config.confirm_m)) continue;
       near.push_back(&other->second);
-      echo.evidence = std::max(echo.evidence, other->second.evidence);
+      echo.evidence = greater(echo.evidence, other->second.evidence);
     }
   }
-  echo.evidence = std::min(echo.evidence + gain, kEnough + kMostEvidence);
+  for (std::size_t i = 0; i < gain.size(); ++i)
+    echo.evidence[i] = std::min(echo.evidence[i] + gain[i], kEnough + kMostEvidence);
   if (const auto known = cells_.find(key); known != cells_.end()) {
-    echo.evidence = std::max(echo.evidence, known->second.evidence);
+    echo.evidence = greater(echo.evidence, known->second.evidence);
     echo.confirmed = known->second.confirmed;
   }
-  echo.confirmed = echo.confirmed || echo.evidence >= kEnough;
-  if (echo.evidence >= kEnough) {
+  const bool enough = total(echo.evidence) >= kEnough;
+  echo.confirmed = echo.confirmed || enough;
+  if (enough) {
     for (Echo* other : near) {
       if (!std::exchange(other->confirmed, true)) false_echoes_ = std::max(0.0, false_echoes_ - 1);
     }
@@ -151,9 +195,9 @@ void NearEchoes::look(const SonarEchoes& ping, double reach_m, const SafetyConfi
     Echo& echo = cell->second;
     const Eigen::Vector3d place_W(echo.place_W.x(), echo.place_W.y(), ping.X_WL.translation.z());
     const Look looked = look_at(ping, (X_LW * place_W).head<2>(), config.confirm_m);
-    if (looked.beams > 0) {
-      const double less = Chances(looked.beams, false_per_m, config.confirm_m).of_look();
-      echo.evidence = std::max(0.0, echo.evidence - less);
+    if (looked.beams > 0 && echo.heard_s < now_s) {
+      const Evidence less = Gains(looked.beams, 1, false_per_m, config.confirm_m).silence;
+      for (std::size_t i = 0; i < less.size(); ++i) echo.evidence[i] = std::max(0.0, echo.evidence[i] + less[i]);
     }
     if (looked.silent) ++echo.silent_looks;
     const bool gone = echo.silent_looks >= kSilentLooks && now_s - echo.heard_s >= kSilent_s;

@@ -1,16 +1,17 @@
 // NearEchoes: the raw echoes around the vehicle on which two pings agree, for a collision check that needs no map
 // (Oskard 1990, III-D; ledger S1-44, S1-F10).
 //
-// One echo may be noise. Echoes of different pings within `confirm_m` of each other and within `confirm_s` (to a third
-// of `confirm_m`, north and east) confirm each other where noise hardly explains them: a sequential likelihood-ratio
-// test, counted in looks, for a sonar that looks at a place once in a while and one that looks thirty times a second
-// alike. A look is a ping with a beam within `confirm_m` of the place that nothing nearer blocks. In a look, noise
-// gives an echo there with the probability l = 1 - exp(-n w d): n such beams, w the mean width of the disc (pi / 2
-// confirm_m), d the density of false echoes, one per metre of beam. A body gives one with the probability b =
-// max(kBodySeen, 4 l). An echo adds ln(b / l), at most kMostEvidence, to what the strongest echo near it has; a look
-// takes b - l away, down to 0. At kEnough, more than any one echo has, they are confirmed. So two echoes do where false
-// echoes are rare, and it takes more of them in clutter. An echo of which no look is known (a range sonar) counts
-// kMostEvidence.
+// One echo may be noise. Echoes of different pings within `confirm_m` of each other and within `confirm_s` confirm each
+// other where noise hardly explains them, by a sequential likelihood-ratio test that counts looks: one rule for a sonar
+// that looks at a place now and then and for one that does so thirty times a second. A look is a ping with a beam
+// within `confirm_m` of the place that nothing nearer blocks. Noise gives m echoes or more there with the chance l(m)
+// of a Poisson variable of mean n w d: n such beams, w the mean width of the disc (pi / 2 confirm_m), d the density of
+// false echoes, one per metre of beam. A body gives them with the chance b, which is that of a buoy, of a post or of a
+// wall (kBodies), and at least 4 l(1). For each b, m echoes of a look add ln(b / l(m)), at most kMostEvidence, to what
+// the strongest echo near them has, and a look without one adds ln((1 - b) / (1 - l(1))), down to 0; the evidence is
+// that of the mean of the three likelihood ratios. At kEnough, more than any one look gives, they are confirmed: echoes
+// of two looks in a row, those of one sweep and the next where false echoes are rare, and more of them in clutter. An
+// echo of which no look is known (a range sonar) counts kMostEvidence.
 //
 // The density of false echoes is measured: those that are not confirmed, or were and fell silent, over the metres of
 // beam within reach, of some two minutes. It starts high, as if kFirst_m had held kFirst: what is confirmed wrongly is
@@ -28,6 +29,7 @@
 // are removed first.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/geometry/pose.hpp>
@@ -52,9 +54,9 @@ class NearEchoes {
   static constexpr std::size_t kMax = 8192;
   static constexpr int kSilentLooks = 10;
   static constexpr double kSilent_s = 3;
-  static constexpr double kBodySeen = 0.05;   ///< in a look at it: a buoy fills one beam in twenty
-  static constexpr double kMostEvidence = 4;  ///< of one echo
-  static constexpr double kEnough = 6;        ///< to confirm; noise reaches it in one of some 400 tries
+  static constexpr std::array<double, 3> kBodies{0.05, 0.3, 0.9};  ///< shares of the looks in which they give an echo
+  static constexpr double kMostEvidence = 4.5;                     ///< of one look
+  static constexpr double kEnough = 5.5;  ///< to confirm; noise reaches it in one of some 250 tries
   static constexpr double kFirst = 2.5, kFirst_m = 500;
 
   /// One ping: takes its echoes, and forgets what is gone by its silence. Echoes that are not finite or beyond
@@ -75,17 +77,18 @@ class NearEchoes {
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
+  using Evidence = std::array<double, kBodies.size()>;
   struct Echo {
     Eigen::Vector2d place_W;
     double heard_s = 0;
     double counts_s = 0;  ///< when last received, or nearer than the blanking distance
-    double evidence = 0;  ///< log-likelihood ratio of a body to noise, less the looks since
+    Evidence evidence{};  ///< log-likelihood ratios of each kind of body to noise
     bool confirmed = false;
     int silent_looks = 0;  ///< since last received
   };
-  void take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, double gain, const SafetyConfig& config,
-            double now_s);
-  void put(const Eigen::Vector2d& place_W, double gain, const SafetyConfig& config, double now_s);
+  void take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain,
+            const SafetyConfig& config, double now_s);
+  void put(const Eigen::Vector2d& place_W, const Evidence& gain, const SafetyConfig& config, double now_s);
   void look(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s);
   void count_metres(const SonarEchoes& ping, double reach_m, double now_s);
   void bound(const SafetyConfig& config, double now_s);
