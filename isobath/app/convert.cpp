@@ -8,8 +8,10 @@
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
+#include <isobath/base/text_file.hpp>
 #include <isobath/cameras/pair_source.hpp>
 #include <isobath/io/mcap/native_log.hpp>
+#include <isobath/io/ros/ros_log_writer.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/run/map_from_prior.hpp>
 #include <isobath/world/map_raster.hpp>
@@ -24,6 +26,8 @@ struct ConvertOptions {
   std::filesystem::path input, output;
   std::string origin;
   int pixels_a_cell = 0;
+  std::string schema = "native";
+  bool no_records = false;
   bool json = false;
 };
 
@@ -91,44 +95,142 @@ int make_map(const ConvertOptions& options) {
 
 std::string ending_of(const std::filesystem::path& path) { return path.extension().string(); }
 
-/// Writes a log as a native log, with every bin.
+/// Kinds of logs of ROS by the ending of their file.
+struct RosFile {
+  const char *ending, *name;
+  std::unique_ptr<RosRecorder> (*record)(const std::filesystem::path& file);
+};
+constexpr RosFile kRosFiles[] = {{".bag", "ROS 1 bag", record_ros1_bag},
+                                 {".db3", "ROS 2 bag (SQLite)", record_ros2_database},
+                                 {".mcap", "ROS 2 bag (MCAP)", record_ros2_mcap}};
+
+/// The kind of log of ROS that is asked for; null: the native log.
+const RosFile* ros_file_of(const ConvertOptions& options) {
+  const std::string ending = ending_of(options.output);
+  for (const RosFile& kind : kRosFiles) {
+    if (ending == kind.ending && (options.schema == "ros2" || ending != ".mcap")) return &kind;
+  }
+  return nullptr;
+}
+
+/// Reads every event of the input, with every bin, into a sink: set_origin, write.
+struct LogInput {
+  explicit LogInput(const ConvertOptions& options) {
+    const Configuration configuration = options.config.read();
+    InputConfig input = configuration.input;
+    input.max_bins = 0;  // the converted log keeps every bin
+    std::vector<std::filesystem::path> inputs = files_of_input(options.input);
+    inputs.emplace_back(input.navigation);
+    check_output_is_no_input(options.output, inputs, "OUT");
+    source = open_input(options.input, input, configuration.cameras);
+    ros = {!options.no_records, input.surface_pressure_pa, input.water_density};
+  }
+
+  template <class Sink>
+  void copy_to(Sink& sink) {
+    bool place_known = false;
+    const auto tell_place = [&] {
+      if (place_known || !source->report().origin) return;
+      sink.set_origin(*source->report().origin);
+      place_known = true;
+    };
+    tell_place();
+    ProgressLine progress;
+    while (const auto event = source->next()) {
+      if (sink.write(*event)) ++events;
+      progress.show(source->report().bytes_read, source->report().bytes_total, events);
+    }
+    tell_place();
+    progress.clear();
+  }
+
+  std::unique_ptr<Source> source;
+  RosLogOptions ros;
+  std::uint64_t events = 0;
+};
+
+ordered_json log_json(const ConvertOptions& options, const LogInput& log) {
+  const SourceReport& report = log.source->report();
+  ordered_json json = conversion_json(options, "log");
+  json["format"] = report.format;
+  json["events"] = log.events;
+  json["bytes"] = report.bytes_total;
+  json["bytes_skipped"] = report.bytes_skipped;
+  json["rejected"] = report.rejected;
+  return json;
+}
+
+void print_skipped(const LogInput& log) {
+  const std::uint64_t skipped = log.source->report().bytes_skipped;
+  if (skipped > 0) fmt::print("{} bytes of the input were skipped\n", skipped);
+}
+
+/// Writes a log as a native log.
 int write_log(const ConvertOptions& options) {
-  const Configuration configuration = options.config.read();
-  InputConfig input = configuration.input;
-  input.max_bins = 0;  // the converted log keeps every bin
-  std::vector<std::filesystem::path> inputs = files_of_input(options.input);
-  inputs.emplace_back(input.navigation);
-  check_output_is_no_input(options.output, inputs, "OUT");
-  const auto source = open_input(options.input, input, configuration.cameras);
+  LogInput log(options);
   make_parent(options.output);
   PendingFile pending(options.output);
-  NativeLogWriter log(pending.beside());
-  log.set_details(source->report().details);
-  const bool place_known = source->report().origin.has_value();
-  if (place_known) log.set_origin(*source->report().origin);
-  ProgressLine progress;
-  std::uint64_t events = 0;
-  while (const auto event = source->next()) {
-    if (log.write(*event)) ++events;
-    progress.show(source->report().bytes_read, source->report().bytes_total, events);
-  }
-  if (!place_known && source->report().origin) log.set_origin(*source->report().origin);
-  log.close();
+  NativeLogWriter writer(pending.beside());
+  writer.set_details(log.source->report().details);
+  log.copy_to(writer);
+  writer.close();
   pending.complete();
-  progress.clear();
-  const SourceReport& report = source->report();
   if (options.json) {
-    ordered_json json = conversion_json(options, "log");
-    json["format"] = report.format;
-    json["events"] = events;
-    json["bytes"] = report.bytes_total;
-    json["bytes_skipped"] = report.bytes_skipped;
-    json["rejected"] = report.rejected;
-    print_json(json);
+    print_json(log_json(options, log));
     return kSuccess;
   }
-  fmt::print("{} events written to {}\n", events, options.output.string());
-  if (report.bytes_skipped > 0) fmt::print("{} bytes of the input were skipped\n", report.bytes_skipped);
+  fmt::print("{} events written to {}\n", log.events, options.output.string());
+  print_skipped(log);
+  return kSuccess;
+}
+
+/// The metadata.yaml that ROS 2 needs beside a bag in SQLite. Throws Error where another bag has its own there.
+std::filesystem::path metadata_beside(const std::filesystem::path& bag) {
+  const std::filesystem::path file = bag.parent_path() / "metadata.yaml";
+  const std::string name = bag.filename().string();
+  if (std::filesystem::exists(file) && text_of_file(file).find("path: \"" + name + "\"") == std::string::npos) {
+    throw Error("is the metadata of another bag, and a ROS 2 bag needs one of its own", {file.string()}, "",
+                "give each bag a folder: " + (bag.parent_path() / bag.stem() / name).string());
+  }
+  return file;
+}
+
+void print_ros_log(const ConvertOptions& options, const RosFile& kind, const LogInput& log, const RosRecorder& bag,
+                   const RosLogWriter& writer) {
+  if (options.json) {
+    ordered_json json = log_json(options, log);
+    json["topics"] = ordered_json::array();
+    for (const RecordedTopic& t : bag.topics()) {
+      json["topics"].push_back({{"topic", t.name}, {"type", t.type}, {"messages", t.messages}});
+    }
+    json["records_only"] = writer.records_only();
+    json["left_out"] = writer.left_out();
+    print_json(json);
+    return;
+  }
+  fmt::print("{} events written to {}: {}\n", log.events, options.output.string(), kind.name);
+  for (const RecordedTopic& t : bag.topics()) fmt::print("  {}: {} of {}\n", t.name, t.messages, t.type);
+  for (const auto& [what, count] : writer.records_only()) {
+    fmt::print("  {} {}: no message of ROS fits, so they are in /isobath only\n", count, what);
+  }
+  for (const auto& [reason, count] : writer.left_out()) fmt::print("  left out {}: {}\n", count, reason);
+  print_skipped(log);
+}
+
+/// Writes a log as a log of ROS.
+int write_ros_log(const ConvertOptions& options, const RosFile& kind) {
+  LogInput log(options);
+  make_parent(options.output);
+  const bool has_metadata = kind.record == record_ros2_database;
+  const std::filesystem::path metadata = has_metadata ? metadata_beside(options.output) : std::filesystem::path();
+  PendingFile pending(options.output);
+  const std::unique_ptr<RosRecorder> bag = kind.record(pending.beside());
+  RosLogWriter writer(*bag, log.ros);
+  log.copy_to(writer);
+  bag->close();
+  pending.complete();
+  if (has_metadata) write_whole_file(metadata, metadata_yaml(*bag, options.output.filename().string()));
+  print_ros_log(options, kind, log, *bag, writer);
   return kSuccess;
 }
 
@@ -137,11 +239,20 @@ int act(const ConvertOptions& options) {
     return write_map(options);
   }
   if (ending_of(options.output).empty() && !looks_like_map(options.input)) return make_map(options);
-  if (ending_of(options.output) != ".mcap" || looks_like_map(options.input)) {
-    throw Error("cannot write this kind of file", {options.output.string(), {}, {}, {}, {}},
-                "a log as .mcap, a map as .tif, a chart as a folder without an extension");
+  const RosFile* const ros = ros_file_of(options);
+  if (options.schema == "ros2" && ending_of(options.output) != ".mcap") {
+    throw Error("--schema is for .mcap: the other kinds of file have their messages by their ending",
+                {options.output.string()});
   }
-  return write_log(options);
+  if (options.no_records && !ros) {
+    throw Error("--no-records is for logs of ROS", {options.output.string()},
+                ".bag, .db3, or .mcap with --schema ros2");
+  }
+  if ((ending_of(options.output) != ".mcap" && !ros) || looks_like_map(options.input)) {
+    throw Error("cannot write this kind of file", {options.output.string(), {}, {}, {}, {}},
+                "a log as .mcap, .bag or .db3, a map as .tif, a chart as a folder without an extension");
+  }
+  return ros ? write_ros_log(options, *ros) : write_log(options);
 }
 
 }  // namespace
@@ -149,9 +260,13 @@ int act(const ConvertOptions& options) {
 Action add_convert(CLI::App& program) {
   auto options = std::make_shared<ConvertOptions>();
   CLI::App* command = program.add_subcommand(
-      "convert", "Convert a log to the native log (.mcap), a depth map to a raster (.tif), or a chart to a map");
+      "convert",
+      "Convert a log to the native log (.mcap) or a log of ROS (.bag, .db3, .mcap), a depth map to a raster (.tif), or "
+      "a chart to a map");
   command->add_option("IN", options->input, "Log, folder of frames, depth map, or chart")->check(reads())->required();
-  command->add_option("OUT", options->output, "File to write, .mcap or .tif; a folder for a map made from a chart")
+  command
+      ->add_option("OUT", options->output,
+                   "File to write: .mcap, .bag, .db3 or .tif; a folder for a map made from a chart")
       ->check(writes())
       ->required();
   add_json_flag(*command, options->json);
@@ -165,8 +280,19 @@ Action add_convert(CLI::App& program) {
       ->check(whole(0, 4096))
       ->capture_default_str()
       ->group("Maps");
+  command->add_option("--schema", options->schema, "Messages of an .mcap file: those of the native log, or of ROS 2")
+      ->check(one_of({"native", "ros2"}))
+      ->capture_default_str()
+      ->group("Logs of ROS");
+  command
+      ->add_flag("--no-records", options->no_records,
+                 "Leave out the records of the native log that a log of ROS has beside the messages of ROS, so that "
+                 "every number is as exact as those are")
+      ->group("Logs of ROS");
   options->config.add_to(*command);
   add_example(*command, "convert dive.bin dive.mcap");
+  add_example(*command, "convert dive.mcap dive.bag");
+  add_example(*command, "convert dive.mcap dive-ros2.mcap --schema ros2");
   add_example(*command, "convert lake lake.tif --pixels-a-cell 4");
   add_example(*command, "convert US5OH10M.000 erie --set prior.map_datum=MLLW --origin 41.66,-82.82");
   return [options] { return act(*options); };

@@ -12,6 +12,7 @@
 #include <isobath/io/formats/nmea.hpp>
 #include <isobath/io/formats/oculus/oculus_logs.hpp>
 #include <isobath/io/formats/ping/ping_logs.hpp>
+#include <isobath/io/formats/point_files.hpp>
 #include <isobath/io/formats/scan_csv.hpp>
 #include <isobath/io/formats/sonar3d.hpp>
 #include <isobath/io/formats/sontek_sum.hpp>
@@ -159,6 +160,7 @@ constexpr std::array kFormats{
     file<looks_like_lowrance, open_lowrance>("Lowrance .sl2"),
     Format{"Humminbird .SON", [](const Candidate& c) { return !c.is_folder && looks_like_humminbird(c.head); },
            open_humminbird_file},
+    own_file<looks_like_pcd, open_pcd>("point cloud (PCD)"),
     file<looks_like_ping_viewer_log, open_ping_viewer_log>("Ping Viewer log"),
     file<looks_like_sontek_sum, open_sontek_sum>("SonTek .sum"),
     file<looks_like_nmea, open_nmea>("NMEA 0183"),
@@ -180,6 +182,7 @@ constexpr std::array kFormats{
     Format{"depth CSV",
            [](const Candidate& c) { return !c.is_folder && looks_like_depth_csv(c.head, c.config.survey); },
            [](const fs::path& path, const InputConfig& config) { return open_depth_csv(path, config); }},
+    own_file<looks_like_xyz, open_xyz>("grid of x, y and depth (text)"),
 };
 
 const Format* format_of(const Candidate& candidate) {

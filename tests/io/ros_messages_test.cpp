@@ -1,5 +1,6 @@
 // What messages of ROS become: fans, echoes, scans, points, ranges, poses, and the mounting of sensors.
 #include <gmock/gmock.h>
+#include <isobath/io/frames/gray_image.hpp>
 #include <isobath/io/open_source.hpp>
 #include <limits>
 #include <tests/io/ros_messages.hpp>
@@ -194,6 +195,63 @@ TEST_F(RosEvents, ImagesNeedADeclaredGeometry) {
   const auto events = events_of(topic, {m.done()}, config);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_THAT(test::beam(std::get<Ping>(events[0]), 1), ElementsAre('b', 'e'));
+}
+
+// The same picture, as PNG: rows are bins.
+TEST_F(RosEvents, CompressedImagesAreReadAsTheirPictures) {
+  const test::RosTopicText topic{"/image/compressed", "sensor_msgs/CompressedImage",
+                                 "Header header\nstring format\nuint8[] data\n"};
+  const std::string samples = "abcdef";
+  const std::vector<std::uint8_t> grey(samples.begin(), samples.end());
+  const std::vector<std::uint8_t> png = gray_png_bytes({3, 2, 1, grey});
+  const auto message = [&](const std::string& data) {
+    return RosBytes(false).header(100, "sonar").text("png").bytes(data).done();
+  };
+  InputConfig config;
+  config.frame_geometry = write(R"({"beams": 3, "bins": 2, "range_min_m": 1, "range_max_m": 3, "fov_deg": 30,
+                                    "height_deg": 14})",
+                                "geometry.json")
+                              .string();
+  const std::string whole(png.begin(), png.end());
+  const auto events = events_of(topic, {message(whole), message(whole.substr(0, 40)), message("")}, config);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_THAT(test::beam(std::get<Ping>(events[0]), 1), ElementsAre('b', 'e'));
+  EXPECT_EQ(source_->report().rejected.at("compressed image that cannot be read"), 2u);
+  EXPECT_TRUE(events_of(topic, {message(whole)}).empty());
+  EXPECT_THAT(source_->report().details.at("/image/compressed"), HasSubstr("input.frame_geometry does not declare"));
+}
+
+/// One transform of /tf.
+std::string moved(const std::string& parent, const std::string& child, double time_s, double x, double y, double z) {
+  RosBytes m(false);
+  m.number(std::uint32_t{1}).header(time_s, parent).text(child).number(x).number(y).number(z);
+  return m.number(0.0).number(0.0).number(0.0).number(1.0).done();
+}
+
+// A vehicle that sails east: its frame moves in "odom", which is corrected in "map" now and then.
+TEST_F(RosEvents, TransformsAreThePosesOfALogThatStatesNoOthers) {
+  test::RosTopicText tf = test::kTransformTopic;
+  tf.topic = "/tf";
+  RosLog log{{tf, test::kTransformTopic}, {}};
+  log.messages.push_back({1, 99, moved("base_link", "sonar", 99, 1, 0, 0)});
+  for (int i = 0; i < 5; ++i) {
+    const double t = 100 + i;
+    if (i % 2 == 0) log.messages.push_back({0, t, moved("map", "odom", t, 0, 10, 0)});
+    log.messages.push_back({0, t, moved("odom", "base_link", t, i, 0, -3)});
+  }
+  const auto source = opened(ros1_bag(log));
+  const auto events = drain(*source);
+  ASSERT_EQ(events.size(), 4u);  // the first only tells that the frame is there
+  const auto fix = std::get<Navigation>(events.back());
+  EXPECT_EQ(to_seconds(fix.time), 104);
+  EXPECT_TRUE(fix.X_WB.translation.isApprox(Eigen::Vector3d(10, 4, 3)));
+  EXPECT_NEAR(fix.X_WB.rotation.heading().degrees(), 90, 1e-9);  // no rotation in ROS looks east
+  EXPECT_THAT(source->report().details.at("/tf"), HasSubstr("poses of the vehicle"));
+  EXPECT_EQ(source->report().details.count("poses"), 0u);
+  // With an odometry in the log they only mount sensors.
+  log.topics.push_back(test::kOdometryTopic);
+  log.messages.push_back({2, 105, test::odometry(false, 105, {.x = 1})});
+  EXPECT_EQ(drain(*opened(ros1_bag(log))).size(), 1u);
 }
 
 TEST_F(RosEvents, AttitudePositionAndPressureOfSensorsMakeFixes) {

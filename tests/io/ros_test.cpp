@@ -78,8 +78,8 @@ TEST(RosMessages, BothEncodingsReadMessagesThatOthersWrote) {
   const std::string pressure =
       hex("00 01 00 00 00 10 5E 5F 00 65 CD 1D 05 00 00 00 62 61 72 6F 00 00x7 00 00 00 00 E8 78 02 "
           "41 00 00 00 00 00 00 10 40");
-  const auto pressures =
-      RosDefinition::parse("sensor_msgs/FluidPressure", known_ros_definition("sensor_msgs/FluidPressure"));
+  const auto pressures = RosDefinition::parse("sensor_msgs/FluidPressure",
+                                              known_ros_definition("sensor_msgs/FluidPressure", RosEncoding::kCdr));
   const RosMessage two(*pressures, bytes_of(pressure), RosEncoding::kCdr);
   EXPECT_EQ(two["fluid_pressure"].number(), 151325.0);
   EXPECT_EQ(two["variance"].number(), 4);
@@ -109,7 +109,7 @@ TEST(RosMessages, EveryTypeThatIsKnownWithoutItsDefinitionCanBeParsed) {
                            "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped", "tf2_msgs/TFMessage",
                            "marine_acoustic_msgs/ProjectedSonarImage", "marine_acoustic_msgs/RawSonarImage",
                            "marine_acoustic_msgs/SonarRanges", "marine_acoustic_msgs/SonarDetections"}) {
-    EXPECT_TRUE(RosDefinition::parse(type, known_ros_definition(type))) << type;
+    EXPECT_TRUE(RosDefinition::parse(type, known_ros_definition(type, RosEncoding::kCdr))) << type;
   }
 }
 

@@ -21,25 +21,7 @@ enum Column : std::uint8_t { kTime, kLatitude, kLongitude, kNorthing, kEasting, 
 constexpr std::array<std::string_view, kColumns> kKeys{"time",    "latitude", "longitude", "northing",
                                                        "easting", "depth",    "heading"};
 
-/// "utm 33N"
-struct UtmZone {
-  int zone = 0;
-  bool northern = true;
-};
-
 Place setting(const char* key) { return {{}, {}, {}, {}, std::string("input.") + key}; }
-
-std::optional<UtmZone> zone_of(std::string_view text) {
-  if (text == "degrees") return std::nullopt;
-  UtmZone utm;
-  const bool named = text.starts_with("utm ") && (text.ends_with('N') || text.ends_with('S'));
-  if (!named || !parse_number(text.substr(4, text.size() - 5), utm.zone) || utm.zone < 1 || utm.zone > 60) {
-    throw Error("unknown kind of positions \"" + std::string(text) + "\"", setting("csv_position"),
-                "degrees, or a zone such as utm 33N");
-  }
-  utm.northern = text.ends_with('N');
-  return utm;
-}
 
 /// Name of the column for each key; empty: not declared.
 std::array<std::string, kColumns> declared(const std::string& text) {
@@ -57,20 +39,15 @@ std::array<std::string, kColumns> declared(const std::string& text) {
   return names;
 }
 
-double metres(DepthUnit unit) {
-  if (unit == DepthUnit::kFoot) return 0.3048;
-  return unit == DepthUnit::kFathom ? 1.8288 : 1;
-}
-
 class DepthCsv final : public Source {
  public:
   DepthCsv(DelimitedText table, std::uint64_t bytes, const InputConfig& config)
       : table_(std::move(table)),
         survey_(config.survey),
         fixes_(survey_, report_),
-        utm_(zone_of(survey_.csv_position)),
+        utm_(utm_zone_of(survey_.csv_position)),
         width_(config.beam_width.radians() > 0 ? config.beam_width : kBeamWidth) {
-    scale_ = metres(survey_.csv_depth_unit) * (survey_.csv_depth_sign == DepthSign::kUp ? -1 : 1);
+    scale_ = metres_of(survey_.csv_depth_unit) * (survey_.csv_depth_sign == DepthSign::kUp ? -1 : 1);
     report_.format = "depth CSV";
     report_.bytes_total = bytes;
     choose_columns();
@@ -206,6 +183,23 @@ std::string_view line_of_names(Bytes head) {
 }
 
 }  // namespace
+
+std::optional<UtmZone> utm_zone_of(std::string_view text) {
+  if (text == "degrees") return std::nullopt;
+  UtmZone utm;
+  const bool named = text.starts_with("utm ") && (text.ends_with('N') || text.ends_with('S'));
+  if (!named || !parse_number(text.substr(4, text.size() - 5), utm.zone) || utm.zone < 1 || utm.zone > 60) {
+    throw Error("unknown kind of positions \"" + std::string(text) + "\"", setting("csv_position"),
+                "degrees, or a zone such as utm 33N");
+  }
+  utm.northern = text.ends_with('N');
+  return utm;
+}
+
+double metres_of(DepthUnit unit) {
+  if (unit == DepthUnit::kFoot) return 0.3048;
+  return unit == DepthUnit::kFathom ? 1.8288 : 1;
+}
 
 bool looks_like_depth_csv(Bytes head, const SurveyInput& config) {
   if (config.csv_columns.empty() || !looks_like_text(head)) return false;

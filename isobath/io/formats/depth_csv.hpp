@@ -25,7 +25,9 @@
 #include <isobath/io/input/input_config.hpp>
 #include <istream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace isobath {
@@ -35,6 +37,14 @@ bool looks_like_depth_csv(Bytes head, const SurveyInput& config);
 std::unique_ptr<Source> open_depth_csv(const std::filesystem::path& file, const InputConfig& config);
 std::unique_ptr<Source> open_depth_csv(std::unique_ptr<std::istream> input, const std::string& name,
                                        const InputConfig& config);
+
+/// InputConfig::survey.csv_position: a zone of the UTM grid such as "utm 33N", or "degrees": empty. Throws Error.
+struct UtmZone {
+  int zone = 0;
+  bool northern = true;
+};
+std::optional<UtmZone> utm_zone_of(std::string_view position);
+double metres_of(DepthUnit unit);
 
 /// The column names of a text that looks like a table; empty: it does not look like one.
 std::vector<std::string> table_columns(Bytes head);

@@ -91,7 +91,8 @@ struct McapMetadata {
 
 class McapWriter {
  public:
-  McapWriter(const std::filesystem::path& file, const McapWriterConfig& config);
+  /// `profile`: the convention that channels and schemas follow, as the head of the file states it ("ros2").
+  McapWriter(const std::filesystem::path& file, const McapWriterConfig& config, const std::string& profile = {});
   ~McapWriter();  ///< closes; hides errors, so call close() first
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;

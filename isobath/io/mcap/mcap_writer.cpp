@@ -97,14 +97,14 @@ void put_channel(Writer& w, const McapChannel& c) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& file, const McapWriterConfig& config)
+McapWriter::McapWriter(const std::filesystem::path& file, const McapWriterConfig& config, const std::string& profile)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.file = file.string();
   s.config = config;
   s.out.open(file, std::ios::binary | std::ios::trunc);
   s.put(mcap::kMagic);
-  s.put_record(mcap::kHeader, [](Writer& w) { w.text("").text("isobath"); });
+  s.put_record(mcap::kHeader, [&](Writer& w) { w.text(profile).text("isobath"); });
 }
 
 McapWriter::~McapWriter() {

@@ -166,14 +166,15 @@ struct Samples {
   SampleType type = SampleType::kU8;
 };
 
-/// The one list that is filled; empty if none or several are filled.
+/// The one list that is filled, or one without bytes; empty if several are filled.
 std::optional<Samples> take_samples(CdrReader& r) {
   const Samples lists[] = {{r.sequence<std::uint8_t>(), SampleType::kU8},
                            {r.sequence<std::uint16_t>(), SampleType::kU16},
                            {r.sequence<float>(), SampleType::kF32}};
   const auto filled = [](const Samples& s) { return !s.bytes.empty(); };
-  if (!r.ok() || std::count_if(std::begin(lists), std::end(lists), filled) != 1) return std::nullopt;
-  return *std::find_if(std::begin(lists), std::end(lists), filled);
+  if (!r.ok() || std::count_if(std::begin(lists), std::end(lists), filled) > 1) return std::nullopt;
+  const auto* const found = std::find_if(std::begin(lists), std::end(lists), filled);
+  return found == std::end(lists) ? Samples() : *found;
 }
 
 std::size_t size_of(SampleType type) {
@@ -198,8 +199,9 @@ std::shared_ptr<const std::vector<BinSpan>> take_spans(std::span<const std::uint
   return made;
 }
 
-std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
-  CdrReader r(message.data);
+/// Everything but the intensities; `samples` gets their bytes, which may be none.
+std::optional<Ping> take_ping(std::span<const std::uint8_t> data, FanStore& fans, Samples& samples) {
+  CdrReader r(data);
   Ping p;
   bool bad = false;
   p.time = take_time(r);
@@ -214,25 +216,35 @@ std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
   const auto height = r.number<double>();
   const auto azimuths = r.sequence<double>();
   const auto widths = r.sequence<double>();
-  const auto samples = take_samples(r);
-  if (bad || !samples || sweep > 2 || azimuths.empty() || azimuths.size() != widths.size()) return std::nullopt;
-  const std::uint64_t beams = azimuths.size() / 8, sample = size_of(samples->type);
-  if (bins > std::numeric_limits<int>::max() || beams > 1u << 20 || samples->bytes.size() != beams * bins * sample) {
-    return std::nullopt;
-  }
+  const auto taken = take_samples(r);
+  if (bad || !taken || sweep > 2 || azimuths.empty() || azimuths.size() != widths.size()) return std::nullopt;
+  samples = *taken;
+  const std::uint64_t beams = azimuths.size() / 8;
+  if (bins > std::numeric_limits<int>::max() || beams > 1u << 20) return std::nullopt;
   p.sweep = static_cast<SweepMark>(sweep);
   p.window.bins = static_cast<int>(bins);
   p.fan = fans.fan(height, azimuths, widths);
-  const auto step = static_cast<std::ptrdiff_t>(sample);
-  p.intensity = Intensities(samples->bytes.data(), samples->type, static_cast<int>(beams), p.window.bins,
-                            step * p.window.bins, step);
-  p.storage = message.storage;
   const bool older = r.at_end();  // from before this field was added
   const auto sampled = older ? std::span<const std::uint8_t>() : r.sequence<std::uint32_t>();
   if (!r.ok() || (!sampled.empty() && sampled.size() != beams * 8)) return std::nullopt;
   if (!sampled.empty()) p.sampled = take_spans(sampled, bins);
   if (!sampled.empty() && !p.sampled) return std::nullopt;
   return p;
+}
+
+std::optional<Event> take_whole_ping(const McapMessage& message, FanStore& fans) {
+  Samples samples;
+  auto p = take_ping(message.data, fans, samples);
+  if (!p || samples.bytes.empty()) return std::nullopt;
+  const int beams = p->fan->beams();
+  const std::size_t size = size_of(samples.type);
+  if (samples.bytes.size() != size * static_cast<std::size_t>(beams) * static_cast<std::size_t>(p->window.bins)) {
+    return std::nullopt;
+  }
+  const auto step = static_cast<std::ptrdiff_t>(size);
+  p->intensity = Intensities(samples.bytes.data(), samples.type, beams, p->window.bins, step * p->window.bins, step);
+  p->storage = message.storage;
+  return *std::move(p);
 }
 
 }  // namespace
@@ -258,7 +270,7 @@ std::shared_ptr<const BeamFan> FanStore::fan(double height, std::span<const std:
 }
 
 std::optional<Event> decode_event(std::string_view kind, const McapMessage& message, FanStore& fans) {
-  if (kind == kPing.name) return take_ping(message, fans);
+  if (kind == kPing.name) return take_whole_ping(message, fans);
   if (kind == kNavigation.name) return take_navigation(message.data);
   if (kind == kRange.name) return take_range(message.data);
   if (kind == kHealth.name) return take_health(message.data);
@@ -266,6 +278,13 @@ std::optional<Event> decode_event(std::string_view kind, const McapMessage& mess
   if (kind == kOperatorFrame.name) return take_operator_frame(message.data);
   if (kind == kBearing.name) return take_bearing(message.data);
   return std::nullopt;
+}
+
+std::optional<Ping> decode_geometry(std::span<const std::uint8_t> record, FanStore& fans) {
+  Samples samples;
+  auto ping = take_ping(record, fans, samples);
+  if (ping && !samples.bytes.empty()) return std::nullopt;
+  return ping;
 }
 
 std::optional<TrueMotion> decode_motion(std::span<const std::uint8_t> record) {

@@ -1,5 +1,6 @@
 // Events and ground truth from records of the native log. Records are untrusted: empty results for sizes that disagree,
-// states that do not exist, and poses whose quaternion is no rotation. Internal to the native_log*.cpp files.
+// states that do not exist, and poses whose quaternion is no rotation. For the native log,
+// and for the bags of ROS that carry the same records.
 #pragma once
 
 #include <cstdint>
@@ -29,6 +30,8 @@ class FanStore {
 
 /// The event of a record of this kind (RecordKind::name). A ping points into the message and shares its storage.
 std::optional<Event> decode_event(std::string_view kind, const McapMessage& message, FanStore& fans);
+/// The ping of encode_geometry: without samples.
+std::optional<Ping> decode_geometry(std::span<const std::uint8_t> record, FanStore& fans);
 std::optional<TrueMotion> decode_motion(std::span<const std::uint8_t> record);
 std::optional<EchoTruth> decode_echoes(std::span<const std::uint8_t> record);
 

@@ -39,7 +39,7 @@ void put_samples(CdrWriter& w, const Intensities& samples) {
   if (type == SampleType::kF32) copy_beam_by_beam<4>(samples, f32);
 }
 
-void put(CdrWriter& w, const Ping& p) {
+void put_ping(CdrWriter& w, const Ping& p, const Intensities& samples) {
   w.number(std::int64_t{p.time.time_since_epoch().count()});
   put_pose(w, p.X_BS);
   w.number(p.sound_speed).number(p.window.start_m).number(p.window.bin_m);
@@ -50,7 +50,7 @@ void put(CdrWriter& w, const Ping& p) {
       w, [&](std::size_t i) { return p.fan->azimuth[i].radians(); }, p.fan->azimuth.size());
   put_doubles(
       w, [&](std::size_t i) { return p.fan->width[i].radians(); }, p.fan->width.size());
-  put_samples(w, p.intensity);
+  put_samples(w, samples);
   std::uint8_t* at = w.sequence<std::uint32_t>(p.sampled ? 2 * p.sampled->size() : 0);
   for (int b = 0; p.sampled && b < p.fan->beams(); ++b, at += 8) {
     const BinSpan span = sampled_bins(p, b);
@@ -58,6 +58,8 @@ void put(CdrWriter& w, const Ping& p) {
     std::memcpy(at, ends, sizeof ends);
   }
 }
+
+void put(CdrWriter& w, const Ping& p) { put_ping(w, p, p.intensity); }
 
 void put(CdrWriter& w, const Navigation& n) {
   w.number(std::int64_t{n.time.time_since_epoch().count()});
@@ -136,6 +138,11 @@ bool writable(const Ping& p) {
 void encode(const Event& event, std::vector<std::uint8_t>& record) {
   CdrWriter w(record);
   std::visit([&](const auto& e) { put(w, e); }, event);
+}
+
+void encode_geometry(const Ping& ping, std::vector<std::uint8_t>& record) {
+  CdrWriter w(record);
+  put_ping(w, ping, {});
 }
 
 void encode(const TrueMotion& motion, std::vector<std::uint8_t>& record) {

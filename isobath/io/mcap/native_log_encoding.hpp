@@ -1,5 +1,6 @@
 // Records of the native log from values: CDR, little-endian, field by field as native_log_kinds.hpp defines them.
-// Internal to the native_log*.cpp files.
+// For the native log, and for the bags of ROS that
+// carry the same records.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,8 @@ bool writable(const Ping& ping);
 
 // Each overwrites `record`. A ping must be writable.
 void encode(const Event& event, std::vector<std::uint8_t>& record);
+/// A ping without its samples, for where these stand beside it.
+void encode_geometry(const Ping& ping, std::vector<std::uint8_t>& record);
 void encode(const TrueMotion& motion, std::vector<std::uint8_t>& record);
 void encode(const EchoTruth& echoes, std::vector<std::uint8_t>& record);
 void encode(Time time, const Setpoint& setpoint, std::vector<std::uint8_t>& record);

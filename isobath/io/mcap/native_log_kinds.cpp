@@ -117,6 +117,9 @@ const RecordKind kBearing = {.topic = "/bearing",
                                  "float64[] elevation       # above the array's x-y plane, rad; empty: not resolved\n",
                              .has_poses = true};
 
+const std::array<const RecordKind*, 7> kEventKinds = {&kPing,  &kRange,         &kNavigation, &kHealth,
+                                                      &kSwath, &kOperatorFrame, &kBearing};
+
 const RecordKind kTrueMotion = {.topic = "/truth/motion",
                                 .name = "isobath/msg/TrueMotion",
                                 .definition =

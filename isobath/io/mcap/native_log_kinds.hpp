@@ -1,8 +1,9 @@
 // The kinds of records in a native log: channel, name, encoding and definition. Foreign readers decode the records by
 // these definitions, and recorded logs contain them: no kind changes, new fields are added at the end of a record.
-// Internal to the native_log*.cpp files.
+// For the native log, and for the bags of ROS that carry the same records.
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace isobath::native {
@@ -24,6 +25,8 @@ extern const RecordKind kHealth;
 extern const RecordKind kSwath;
 extern const RecordKind kOperatorFrame;
 extern const RecordKind kBearing;
+/// All of them, in the order of the alternatives of Event.
+extern const std::array<const RecordKind*, 7> kEventKinds;
 // Ground truth of a simulator.
 extern const RecordKind kTrueMotion;
 extern const RecordKind kEchoTruth;

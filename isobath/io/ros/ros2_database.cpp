@@ -38,7 +38,7 @@ class Ros2Database final : public RosRecording {
     sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
     read_topics();
-    messages_ = query("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp");
+    messages_ = query("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, rowid");
     if (!messages_) refuse();
   }
 
@@ -95,7 +95,8 @@ class Ros2Database final : public RosRecording {
       RosTopic topic{
           column_text(q.get(), 1), ros_type_name(column_text(q.get(), 2)), RosEncoding::kCdr, {}, counts[id]};
       const auto own = definitions.find(column_text(q.get(), 2));
-      const std::string_view text = own != definitions.end() ? own->second : known_ros_definition(topic.type);
+      const std::string text =
+          own != definitions.end() ? own->second : known_ros_definition(topic.type, RosEncoding::kCdr);
       if (column_text(q.get(), 3) == "cdr" && !text.empty()) topic.definition = RosDefinition::parse(topic.type, text);
       numbers_[id] = topics_.size();
       topics_.push_back(std::move(topic));

@@ -14,6 +14,7 @@ constexpr std::array kDecoders{
     RosDecoder{"marine_acoustic_msgs/SonarImage", RosUse::kImage, 0, decode_sonar_image},
     RosDecoder{"ping360_sonar_msgs/SonarEcho", RosUse::kImage, 0, decode_sonar_echo},
     RosDecoder{"sensor_msgs/Image", RosUse::kImage, 2, decode_image},
+    RosDecoder{"sensor_msgs/CompressedImage", RosUse::kImage, 3, decode_compressed_image},
     RosDecoder{"marine_acoustic_msgs/SonarRanges", RosUse::kSoundings, 0, decode_sonar_ranges},
     RosDecoder{"marine_acoustic_msgs/SonarDetections", RosUse::kSoundings, 1, decode_sonar_detections},
     RosDecoder{"sensor_msgs/PointCloud2", RosUse::kSoundings, 2, decode_point_cloud},
@@ -25,6 +26,14 @@ constexpr std::array kDecoders{
     RosDecoder{"sensor_msgs/Imu", RosUse::kAttitude, 0, decode_imu},
     RosDecoder{"sensor_msgs/NavSatFix", RosUse::kPosition, 0, decode_position},
     RosDecoder{"sensor_msgs/FluidPressure", RosUse::kDepth, 0, decode_pressure},
+    RosDecoder{"isobath_msgs/Ping", RosUse::kPingGeometry, 0, decode_record},
+    RosDecoder{"isobath_msgs/RangeReading", RosUse::kRange, -1, decode_record},
+    RosDecoder{"isobath_msgs/Navigation", RosUse::kPose, -1, decode_record},
+    RosDecoder{"isobath_msgs/Health", RosUse::kHealth, 0, decode_record},
+    RosDecoder{"isobath_msgs/Swath", RosUse::kSoundings, -1, decode_record},
+    RosDecoder{"isobath_msgs/OperatorFrame", RosUse::kOperatorFrames, 0, decode_record},
+    RosDecoder{"isobath_msgs/PassiveBearing", RosUse::kBearings, 0, decode_record},
+    RosDecoder{"geographic_msgs/GeoPointStamped", RosUse::kOrigin, 0, decode_origin},
     RosDecoder{"tf2_msgs/TFMessage", RosUse::kTransforms, 0, decode_transforms},
     RosDecoder{"tf/tfMessage", RosUse::kTransforms, 0, decode_transforms},
 };
@@ -33,16 +42,6 @@ Rotation turn(std::initializer_list<double> rows) {
   Eigen::Matrix3d matrix;
   for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = rows.begin()[i];
   return Rotation::from_matrix(matrix);
-}
-
-/// R from forward-starboard-down axes to those of a frame.
-Rotation from_starboard_down(RosAxes axes) {
-  switch (axes) {
-    case RosAxes::kForwardPortUp: return turn({1, 0, 0, 0, -1, 0, 0, 0, -1});
-    case RosAxes::kUpStarboardForward: return turn({0, 0, -1, 0, 1, 0, 1, 0, 0});
-    case RosAxes::kForwardStarboardDown: break;
-  }
-  return {};
 }
 
 std::optional<FrameGeometry> geometry_of_images(const InputConfig& config) {
@@ -58,13 +57,22 @@ std::optional<Pose> in_body(const RosContext& context, std::string frame) {
     if (context.body.empty() ? frame.ends_with("base_link") : frame == context.body) return X;
     const auto above = context.parents.find(frame);
     if (above == context.parents.end()) return {};
-    X = above->second.second * X;
-    frame = above->second.first;
+    X = above->second.X * X;
+    frame = above->second.parent;
   }
   return {};
 }
 
 }  // namespace
+
+Rotation from_starboard_down(RosAxes axes) {
+  switch (axes) {
+    case RosAxes::kForwardPortUp: return turn({1, 0, 0, 0, -1, 0, 0, 0, -1});
+    case RosAxes::kUpStarboardForward: return turn({0, 0, -1, 0, 1, 0, 1, 0, 0});
+    case RosAxes::kForwardStarboardDown: break;
+  }
+  return {};
+}
 
 const char* to_text(RosUse use) {
   switch (use) {
@@ -76,6 +84,11 @@ const char* to_text(RosUse use) {
     case RosUse::kPosition: return "positions";
     case RosUse::kDepth: return "depths";
     case RosUse::kTransforms: return "mounting of sensors";
+    case RosUse::kPingGeometry: return "geometry of sonar images";
+    case RosUse::kOrigin: return "origin on the globe";
+    case RosUse::kHealth: return "health of the vehicle";
+    case RosUse::kOperatorFrames: return "frames of the operator's link";
+    case RosUse::kBearings: return "passive bearings";
   }
   return "unknown";
 }
@@ -103,6 +116,12 @@ Pose RosContext::mount(std::string_view frame, RosAxes axes) {
   }
   return {Rotation::from_heading_pitch_roll(config.mount_heading, config.mount_pitch, config.mount_roll),
           Eigen::Vector3d(config.mount_m[0], config.mount_m[1], config.mount_m[2])};
+}
+
+std::optional<Time> time_of_header(const RosValue& header, Time recorded) {
+  const auto stamp = header["stamp"].time();
+  if (!stamp || *stamp - recorded > kMaxStampOffset || recorded - *stamp > kMaxStampOffset) return {};
+  return stamp;
 }
 
 bool RosContext::is_ned(std::string_view frame) const {

@@ -16,6 +16,9 @@
 
 namespace isobath {
 
+/// The serialisation of ROS 1, with definitions as ROS 1 writes them; CDR, with those of ROS 2.
+enum class RosEncoding : std::uint8_t { kRos1, kCdr };
+
 enum class RosPrimitive : std::uint8_t {
   kMessage,  ///< not primitive: RosField::type is its type
   kBool,
@@ -67,7 +70,11 @@ class RosDefinition {
 /// "sensor_msgs/msg/Range" -> "sensor_msgs/Range".
 std::string ros_type_name(std::string_view name);
 
-/// The definition of a type that logs may lack (rosbag2 before Iron), as ROS 2 defines it; empty: not known here.
-std::string_view known_ros_definition(std::string_view type);
+/// Package of the types that hold the records of Isobath's native log, exactly: isobath_msgs/Ping, ...
+constexpr std::string_view kRecordPackage = "isobath_msgs/";
+
+/// The definition of a type of the packages that Isobath reads and writes, with the types that it needs, as bags carry
+/// it; empty: not known here. Logs may lack their definitions (rosbag2 before Iron): then these are used.
+std::string known_ros_definition(std::string_view type, RosEncoding encoding);
 
 }  // namespace isobath

@@ -2,7 +2,10 @@
 // little-endian; others are copied as real numbers, and those that are negative or not finite become 0.
 #include <algorithm>
 #include <cmath>
+#include <isobath/base/error.hpp>
+#include <isobath/io/frames/camera_pictures.hpp>
 #include <isobath/io/ros/ros_decoding.hpp>
+#include <span>
 
 namespace isobath {
 namespace {
@@ -151,6 +154,32 @@ const char* add_image(SonarImage image, const RosInput& input, RosContext& conte
   return nullptr;
 }
 
+/// Whether the samples can stay where they are in the message.
+std::optional<SampleType> sample_type_of(const SonarImage& image) {
+  const bool little = image.order == std::endian::little;
+  if (image.kind == kU8) return SampleType::kU8;
+  if (image.kind == kU16 && little) return SampleType::kU16;
+  if (image.kind == kF32 && little) return SampleType::kF32;
+  return {};
+}
+
+/// The image with the geometry that a record states for it, exactly; false: there is none, or it does not fit.
+bool add_recorded_image(const SonarImage& image, const RosInput& input, RosContext& context,
+                        std::vector<Event>& events) {
+  // A header cannot state the time 0, which counts as not set.
+  auto ping = context.take_ping_record(input.message["header"]["stamp"].time().value_or(Time{}));
+  const auto type = sample_type_of(image);
+  if (!ping || !type || !input.message.ok()) return false;
+  const auto beams = ping->fan->azimuth.size(), bins = static_cast<std::size_t>(ping->window.bins);
+  const std::size_t size = kSampleBytes[image.kind];
+  if (image.data.size() / size != beams * bins || image.data.size() % size != 0) return false;
+  ping->storage = input.owner;
+  ping->intensity = Intensities(image.data.data(), *type, static_cast<int>(beams), ping->window.bins,
+                                static_cast<std::ptrdiff_t>(size), static_cast<std::ptrdiff_t>(size * beams));
+  events.emplace_back(*std::move(ping));
+  return true;
+}
+
 /// The first value of an array of beam widths; 0: not stated.
 double first_of(const RosValue& widths) {
   const std::vector<double> all = widths.numbers();
@@ -169,6 +198,18 @@ void read_common(const RosMessage& message, SonarImage& image) {
   image.data = data["data"].bytes();
 }
 
+constexpr const char* kNoGeometry = "image whose geometry input.frame_geometry does not declare";
+
+/// A picture whose rows and columns InputConfig::frame_geometry declares.
+const char* add_picture(GrayImage image, const RosInput& input, RosContext& context, std::vector<Event>& events) {
+  auto ping = ping_from_frame(*context.images, std::move(image), context.config);
+  if (!ping) return "image of another size than input.frame_geometry declares";
+  ping->time = input.time;
+  ping->X_BS = context.mount(input.frame, RosAxes::kForwardPortUp);
+  events.emplace_back(*std::move(ping));
+  return nullptr;
+}
+
 constexpr const char* kUneven = "sonar image whose ranges are not evenly spaced";
 constexpr const char* kUnknownSamples = "sonar image with samples of an unknown type";
 
@@ -178,6 +219,7 @@ const char* decode_projected_image(const RosInput& input, RosContext& context, s
   SonarImage image;
   read_common(input.message, image);
   if (image.kind == kSampleKinds) return kUnknownSamples;
+  if (add_recorded_image(image, input, context, events)) return nullptr;
   constexpr double kMaxOffPlane = 0.1;
   for (const RosValue& direction : input.message["beam_directions"].elements()) {
     if (std::abs(direction["x"].number()) > kMaxOffPlane) return "sonar image whose beams do not lie in one plane";
@@ -249,7 +291,7 @@ const char* decode_sonar_echo(const RosInput& input, RosContext& context, std::v
 }
 
 const char* decode_image(const RosInput& input, RosContext& context, std::vector<Event>& events) {
-  if (!context.images) return "image whose geometry input.frame_geometry does not declare";
+  if (!context.images) return kNoGeometry;
   const RosMessage& message = input.message;
   const std::string_view encoding = message["encoding"].text();
   const int bytes = encoding == "mono8" || encoding == "8UC1" ? 1 : encoding == "mono16" || encoding == "16UC1" ? 2 : 0;
@@ -272,12 +314,27 @@ const char* decode_image(const RosInput& input, RosContext& context, std::vector
   if (bytes == 2 && message["is_bigendian"].number() != 0) {
     for (std::size_t i = 0; i + 1 < image.samples.size(); i += 2) std::swap(image.samples[i], image.samples[i + 1]);
   }
-  auto ping = ping_from_frame(*context.images, std::move(image), context.config);
-  if (!ping) return "image of another size than input.frame_geometry declares";
-  ping->time = input.time;
-  ping->X_BS = context.mount(input.frame, RosAxes::kForwardPortUp);
-  events.emplace_back(*std::move(ping));
-  return nullptr;
+  return add_picture(std::move(image), input, context, events);
+}
+
+const char* decode_compressed_image(const RosInput& input, RosContext& context, std::vector<Event>& events) {
+  if (!context.images) return kNoGeometry;
+  const Bytes data = input.message["data"].bytes();
+  if (!input.message.ok()) return nullptr;
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(data.data()), data.size());
+  constexpr std::uint8_t kPngStart = 0x89;
+  try {
+    if (!bytes.empty() && bytes[0] == kPngStart) {
+      return add_picture(parse_gray_png(bytes, "image"), input, context, events);
+    }
+    const CameraImage picture = parse_camera_image(bytes, "image");
+    GrayImage image{picture.width, picture.height, 1, {}};
+    const auto step = static_cast<std::size_t>(picture.channels);  // the first channel, as of other pictures in colour
+    for (std::size_t i = 0; i < picture.samples.size(); i += step) image.samples.push_back(picture.samples[i]);
+    return add_picture(std::move(image), input, context, events);
+  } catch (const Error&) {
+    return "compressed image that cannot be read";
+  }
 }
 
 }  // namespace isobath

@@ -79,8 +79,7 @@ class RosMcap final : public RosRecording {
                    0};
     if (schema && encoding) {
       const bool written = schema->encoding == "ros1msg" || schema->encoding == "ros2msg";
-      const std::string_view known = encoding == RosEncoding::kCdr ? known_ros_definition(topic.type) : "";
-      const std::string_view text = written ? std::string_view(schema->data) : known;
+      const std::string text = written ? schema->data : known_ros_definition(topic.type, *encoding);
       if (!text.empty()) topic.definition = RosDefinition::parse(topic.type, text);
     }
     numbers_[channel.id] = topics_.size();

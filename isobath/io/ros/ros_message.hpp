@@ -16,8 +16,6 @@
 
 namespace isobath {
 
-enum class RosEncoding : std::uint8_t { kRos1, kCdr };
-
 class RosMessage;
 
 class RosValue {
@@ -57,6 +55,9 @@ class RosMessage {
   [[nodiscard]] bool ok() const { return ok_ && missing_.empty(); }
   [[nodiscard]] const std::string& missing() const { return missing_; }
   [[nodiscard]] std::endian order() const { return order_; }
+  [[nodiscard]] const RosDefinition& definition() const { return definition_; }
+  [[nodiscard]] Bytes bytes() const { return bytes_; }
+  [[nodiscard]] RosEncoding encoding() const { return encoding_; }
 
  private:
   friend class RosValue;

@@ -5,7 +5,6 @@
 namespace isobath {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;  // m/s2
 constexpr std::size_t kMaxFrames = 10'000;
 
 Eigen::Vector3d vector_of(const RosValue& v) { return {v["x"].number(), v["y"].number(), v["z"].number()}; }
@@ -40,6 +39,33 @@ std::optional<Eigen::Matrix<double, 6, 6>> covariance_of(const std::vector<doubl
   J.bottomRightCorner<3, 3>() = X_WB.rotation.matrix().transpose() * M;
   const Eigen::Matrix<double, 6, 6> turned = J * C * J.transpose();
   return turned.allFinite() ? std::optional(turned) : std::nullopt;
+}
+
+/// The pose of the vehicle by the transforms that lead to it, if `moved` is the frame nearest to it that moves; the
+/// frames above, such as a correction of "odom" in "map", only change the poses that follow.
+std::optional<Navigation> fix_of_transforms(const RosContext& context, const std::string& moved, Time time) {
+  constexpr int kMaxDepth = 32;
+  std::string frame = context.body;
+  for (auto i = context.parents.begin(); frame.empty() && i != context.parents.end(); ++i) {
+    if (i->first.ends_with("base_link")) frame = i->first;
+  }
+  Pose X;  // of the vehicle in `frame`
+  bool found = false;
+  for (int depth = 0; depth < kMaxDepth; ++depth) {
+    const auto above = context.parents.find(frame);
+    if (above == context.parents.end()) break;
+    if (above->second.is_moving && !found) {
+      if (frame != moved) return {};
+      found = true;
+    }
+    X = above->second.X * X;
+    frame = above->second.parent;
+  }
+  if (!found) return {};
+  Navigation fix;
+  fix.time = time;
+  fix.X_WB = context.in_world(X, frame);
+  return fix;
 }
 
 const char* add_fix(const RosInput& input, const RosValue& pose, const std::vector<double>& covariance,
@@ -109,7 +135,7 @@ const char* decode_pressure(const RosInput& input, RosContext& context, std::vec
   return nullptr;
 }
 
-const char* decode_transforms(const RosInput& input, RosContext& context, std::vector<Event>&) {
+const char* decode_transforms(const RosInput& input, RosContext& context, std::vector<Event>& events) {
   const auto plain = [](std::string_view frame) {
     while (frame.starts_with('/')) frame.remove_prefix(1);
     return std::string(frame);
@@ -121,7 +147,13 @@ const char* decode_transforms(const RosInput& input, RosContext& context, std::v
     const std::string child = plain(transform["child_frame_id"].text());
     if (!input.message.ok()) return nullptr;
     if (!rotation || !translation.allFinite()) return "transform with an impossible value";
-    if (context.parents.size() < kMaxFrames) context.parents[child] = {parent, {*rotation, translation}};
+    const auto known = context.parents.find(child);
+    const bool is_moving = known != context.parents.end();
+    if (!is_moving && context.parents.size() >= kMaxFrames) continue;
+    context.parents[child] = {parent, {*rotation, translation}, is_moving};
+    if (!context.poses_from_transforms) continue;
+    const Time time = time_of_header(transform["header"], input.time).value_or(input.time);
+    if (auto fix = fix_of_transforms(context, child, time)) events.emplace_back(*std::move(fix));
   }
   return nullptr;
 }

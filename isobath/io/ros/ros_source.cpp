@@ -7,8 +7,9 @@
 // with what it is used as.
 //
 // The time of an event is that of the message's header. Where that is not set, or differs from the time of recording by
-// more than kMaxStampOffset, the time of recording is used. Events leave by time, at equal times fixes first; an event
-// is held back until a message was recorded kWait after it, or kMaxHeld wait.
+// more than kMaxStampOffset, the time of recording is used. Events leave by time, at equal times fixes first (in the
+// order of the log where it holds records of Isobath); an event is held back until a message was recorded kWait after
+// it, or kMaxHeld wait.
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
@@ -22,7 +23,6 @@ namespace isobath {
 namespace {
 
 constexpr Duration kWait = std::chrono::seconds(1);
-constexpr Duration kMaxStampOffset = std::chrono::seconds(60);
 constexpr std::size_t kMaxHeld = 2000, kMaxTopicsNamed = 200;
 
 /// Whether topic `a` is read rather than `b`, which has the same use.
@@ -33,8 +33,11 @@ bool goes_before(const RosTopic& a, const RosTopic& b) {
 }
 
 /// Several topics of these can be read together.
-bool may_be_several(RosUse use) {
-  return use == RosUse::kImage || use == RosUse::kSoundings || use == RosUse::kRange || use == RosUse::kTransforms;
+bool may_be_several(RosUse use) { return use == RosUse::kImage || use == RosUse::kSoundings || use == RosUse::kRange; }
+
+/// All topics of these are read, whatever the settings name.
+bool is_always_read(RosUse use) {
+  return use == RosUse::kTransforms || use == RosUse::kPingGeometry || use == RosUse::kOrigin;
 }
 
 struct TopicChoice {
@@ -55,7 +58,10 @@ class TopicChooser {
     for (std::size_t i = 0; i < topics.size(); ++i) consider(i);
     for (const auto& [use, candidates] : by_use_) choose(use, candidates);
     leave_derived_aside();
+    find_moving_transforms();
   }
+  /// Whether transforms are what states the poses of the vehicle.
+  [[nodiscard]] bool poses_from_transforms() const { return poses_from_transforms_; }
   [[nodiscard]] std::vector<TopicChoice> take() { return std::move(choices_); }
 
  private:
@@ -66,7 +72,8 @@ class TopicChooser {
       choice.note = "not used: no reader for this type";
     } else if (!topics_[i].definition) {
       choice.note = "not used: the log has no definition of this type that can be read";
-    } else if (topics_[i].type == "sensor_msgs/Image" && config_.frame_geometry.empty()) {
+    } else if (config_.frame_geometry.empty() &&
+               (choice.decoder->decode == decode_image || choice.decoder->decode == decode_compressed_image)) {
       choice.note = "not used: input.frame_geometry does not declare what its rows and columns are";
     } else {
       by_use_[choice.decoder->use].push_back(i);
@@ -83,7 +90,7 @@ class TopicChooser {
       candidates = named;
       named_.insert(use);
     }
-    if ((is_named && may_be_several(use)) || use == RosUse::kTransforms) {
+    if ((is_named && may_be_several(use)) || is_always_read(use)) {
       for (const std::size_t i : candidates) mark(i, use);
       return;
     }
@@ -112,8 +119,29 @@ class TopicChooser {
     }
   }
 
+  /// Without poses and positions, /tf states the poses.
+  void find_moving_transforms() {
+    const auto used = [&](RosUse use) {
+      return std::ranges::any_of(choices_, [&](const TopicChoice& c) { return c.used && c.decoder->use == use; });
+    };
+    if (used(RosUse::kPose) || used(RosUse::kPosition)) return;
+    for (std::size_t i = 0; i < topics_.size(); ++i) {
+      if (!choices_[i].used || choices_[i].decoder->use != RosUse::kTransforms) continue;
+      if (topics_[i].name.ends_with("tf_static")) continue;
+      poses_from_transforms_ = true;
+      choices_[i].note += ", and as poses of the vehicle";
+    }
+    if (!poses_from_transforms_) return;
+    for (TopicChoice& choice : choices_) {
+      if (!choice.used || (choice.decoder->use != RosUse::kAttitude && choice.decoder->use != RosUse::kDepth)) continue;
+      choice.used = false;
+      choice.note = "not used: transforms state the poses";
+    }
+  }
+
   const std::vector<RosTopic>& topics_;
   const InputConfig& config_;
+  bool poses_from_transforms_ = false;
   std::vector<TopicChoice> choices_;
   std::map<RosUse, std::vector<std::size_t>> by_use_;
   std::set<RosUse> named_;  ///< uses that a pattern names
@@ -146,7 +174,11 @@ class RosSource final : public Source {
  private:
   void choose() {
     const auto& topics = recording_->topics();
-    choices_ = TopicChooser(topics, context_.config).take();
+    TopicChooser chooser(topics, context_.config);
+    context_.poses_from_transforms = chooser.poses_from_transforms();
+    choices_ = chooser.take();
+    has_records_ = std::ranges::any_of(
+        choices_, [](const TopicChoice& c) { return c.used && c.decoder->decode == decode_record; });
     for (std::size_t i = 0; i < topics.size() && i < kMaxTopicsNamed; ++i) name_topic(i);
     tell_gaps();
   }
@@ -166,7 +198,7 @@ class RosSource final : public Source {
     if (!reads({RosUse::kImage, RosUse::kSoundings, RosUse::kRange})) {
       context_.report.details["sonar"] = "none: no topic holds sonar images, ranges or soundings that can be read";
     }
-    if (!reads({RosUse::kPose, RosUse::kPosition})) {
+    if (!reads({RosUse::kPose, RosUse::kPosition}) && !context_.poses_from_transforms) {
       context_.report.details["poses"] =
           "none: no topic holds poses or positions that can be read; input.navigation can name a file of poses";
     }
@@ -199,10 +231,8 @@ class RosSource final : public Source {
   }
 
   Time time_of_header(const RosValue& header, Time recorded) {
-    const auto stamp = header["stamp"].time();
-    if (!stamp) return recorded;
-    const Duration offset = *stamp - recorded;
-    if (offset <= kMaxStampOffset && offset >= -kMaxStampOffset) return *stamp;
+    const auto stamp = isobath::time_of_header(header, recorded);
+    if (stamp || !header["stamp"].time()) return stamp.value_or(recorded);
     context_.report.details["times"] =
         fmt::format("{} messages with a time over {} s from that of their recording, which is used instead",
                     ++far_stamps_, kMaxStampOffset / std::chrono::seconds(1));
@@ -210,7 +240,7 @@ class RosSource final : public Source {
   }
 
   void hold(Event event) {
-    const int order = std::holds_alternative<Navigation>(event) ? 0 : 1;
+    const int order = has_records_ || std::holds_alternative<Navigation>(event) ? 0 : 1;
     const std::pair key{time_of(event), order};
     held_.emplace(key, std::move(event));
   }
@@ -222,6 +252,7 @@ class RosSource final : public Source {
   std::multimap<std::pair<Time, int>, Event> held_;  ///< equal keys in the order of the log
   std::optional<Time> newest_;                       ///< of the recording
   std::uint64_t far_stamps_ = 0;
+  bool has_records_ = false;  ///< of Isobath, which stand in the order of the native log
   bool finished_ = false;
 };
 
