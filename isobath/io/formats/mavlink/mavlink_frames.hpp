@@ -27,7 +27,8 @@ enum class MavlinkId : std::uint32_t {
   kGpsGlobalOrigin = 49,
   kDistanceSensor = 132,
   kScaledPressure2 = 137,
-  kRangefinder = 173
+  kRangefinder = 173,
+  kOdometry = 331
 };
 
 struct MavlinkKind {

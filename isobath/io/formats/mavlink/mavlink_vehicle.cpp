@@ -33,6 +33,7 @@ bool MavlinkVehicle::uses(MavlinkId id) const {
     case MavlinkId::kScaledPressure2: return !states_depth_;
     case MavlinkId::kGlobalPositionInt: return !habits_.local;
     case MavlinkId::kLocalPositionNed: return !uses_global_;
+    case MavlinkId::kOdometry: return !habits_.local && !uses_global_;
     default: return true;
   }
 }
@@ -73,6 +74,7 @@ std::optional<Event> MavlinkVehicle::take(Time time, const MavlinkFrame& frame) 
       if (!habits_.pressure2) pressure(time, p);
       return {};
     case MavlinkId::kDistanceSensor: habits_.distance = true; return distance(time, p);
+    case MavlinkId::kOdometry: return frame.component == 1 ? odometry(time, p) : std::nullopt;
     case MavlinkId::kRangefinder: return habits_.distance ? std::nullopt : rangefinder(time, p);
   }
   return {};
@@ -96,6 +98,25 @@ std::optional<Event> MavlinkVehicle::global_position(Time time, const MavlinkPay
   parts_.on_depth(time, -p.at<std::int32_t>(16) * kMillimetre);
   const Eigen::Vector3d v(p.at<std::int16_t>(20), p.at<std::int16_t>(22), p.at<std::int16_t>(24));
   return parts_.on_position(time, point, v * kCentimetre);
+}
+
+std::optional<Event> MavlinkVehicle::odometry(Time time, const MavlinkPayload& p) {
+  constexpr std::uint8_t kLocalNed = 1, kBodyFrd = 12;
+  if (habits_.local || uses_global_) return {};
+  if (p.at<std::uint8_t>(228) != kLocalNed || p.at<std::uint8_t>(229) != kBodyFrd)
+    return refused("odometry in other frames than local north-east-down and body");
+  const Eigen::Quaterniond q(p.at<float>(20), p.at<float>(24), p.at<float>(28), p.at<float>(32));
+  const Eigen::Vector3d at(p.at<float>(8), p.at<float>(12), p.at<float>(16));
+  const Eigen::Vector3d v_B(p.at<float>(36), p.at<float>(40), p.at<float>(44));
+  if (!(std::abs(q.norm() - 1) < 0.1) || !at.allFinite()) return refused("odometry that is not a number");
+  const Rotation R_WB = Rotation::from_quaternion(q.normalized());
+  states_depth_ = true;
+  parts_.on_depth(time, at.z());
+  std::optional<Eigen::Vector3d> v_W;
+  if (v_B.allFinite()) v_W = R_WB * v_B;
+  (void)parts_.on_attitude(time, R_WB);  // so that the position gives no fix of its own
+  (void)parts_.on_position(time, Eigen::Vector2d(at.head<2>()), v_W);
+  return parts_.on_attitude(time, R_WB);
 }
 
 void MavlinkVehicle::pressure(Time time, const MavlinkPayload& p) {

@@ -4,6 +4,8 @@
 //   ATTITUDE                               attitude, from which each Navigation comes (navigation_parts.hpp)
 //   LOCAL_POSITION_NED                     position, velocity and depth; GPS_GLOBAL_ORIGIN ties it to the globe
 //   GLOBAL_POSITION_INT                    the same, of a vehicle that does not begin with LOCAL_POSITION_NED
+//   ODOMETRY                               attitude, position, velocity and depth, of an autopilot (component 1) that
+//                                          states its position in no other message
 //   SCALED_PRESSURE2, else SCALED_PRESSURE depth, of a vehicle whose positions state none
 //   DISTANCE_SENSOR, else RANGEFINDER      a RangeReading along the orientation that the message states (RANGEFINDER:
 //                                          down), at the origin of the body and moved by InputConfig::mount_m
@@ -42,6 +44,7 @@ class MavlinkVehicle {
   std::optional<Event> refused(const char* reason);
   std::optional<Event> local_position(Time time, const MavlinkPayload& p);
   std::optional<Event> global_position(Time time, const MavlinkPayload& p);
+  std::optional<Event> odometry(Time time, const MavlinkPayload& p);
   std::optional<Event> distance(Time time, const MavlinkPayload& p);
   std::optional<Event> rangefinder(Time time, const MavlinkPayload& p);
   void pressure(Time time, const MavlinkPayload& p);

@@ -107,7 +107,8 @@ void TelemetryLog::tell_counts() {
     switch (static_cast<MavlinkId>(id)) {
       case MavlinkId::kAttitude: return ", used as attitudes";
       case MavlinkId::kLocalPositionNed:
-      case MavlinkId::kGlobalPositionInt: return ", used as positions";
+      case MavlinkId::kGlobalPositionInt:
+      case MavlinkId::kOdometry: return ", used as positions";
       case MavlinkId::kGpsGlobalOrigin: return ", used as the origin";
       case MavlinkId::kDistanceSensor:
       case MavlinkId::kRangefinder: return ", used as ranges";
