@@ -51,9 +51,11 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 
 # The pace of the demo; 1 is that of the clock.
 ABOARD_SPEED ?= 1
+# Its sonar: ping360 over UDP, or oculus over TCP.
+SONAR ?= ping360
 demo-aboard: build/release/.configured-$(WERROR) ## A vehicle of stand-ins, joined over sockets and steered past the buoys
 	@cmake --build build/release --parallel $(JOBS) --target isobath_app
-	@scripts/demo-aboard build/release/bin/isobath out/demo-aboard $(ABOARD_SPEED)
+	@scripts/demo-aboard build/release/bin/isobath out/demo-aboard $(ABOARD_SPEED) $(SONAR)
 
 test: run-tests-release ## Build and run all the tests; `make test-ROOM`: those of one room
 test-%: build/release/.configured-$(WERROR)

@@ -59,7 +59,10 @@ bool wait_for_autopilot(const AboardCommand& options, VehicleLinks& links) {
   auto since = std::chrono::steady_clock::now();
   for (;;) {
     const std::string now = missing(links);
-    if (now.empty()) return true;
+    if (now.empty()) {
+      links.source().drop_waiting();
+      return true;
+    }
     if (is_interrupted()) return false;
     if (now != told || std::chrono::steady_clock::now() - since > kNews) {
       say(options, "waits for " + now);

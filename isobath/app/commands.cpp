@@ -7,7 +7,7 @@ namespace isobath::app {
 std::vector<Command> add_commands(CLI::App& program) {
   using Maker = Action (*)(CLI::App&);
   const std::pair<const char*, std::vector<Maker>> groups[] = {
-      {"Runs and simulations", {add_run, add_serve, add_aboard, add_stand_in, add_sim, add_eval}},
+      {"Runs and simulations", {add_run, add_serve, add_setup, add_aboard, add_stand_in, add_sim, add_eval}},
       {"Logs and maps", {add_info, add_convert, add_compare, add_crosscheck, add_path}},
       {"Calibration and studies",
        {add_calibrate, add_control, add_delay, add_helix, add_sphere, add_stereo, add_track, add_traffic}},

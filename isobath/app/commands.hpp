@@ -29,6 +29,7 @@ std::vector<Command> add_commands(CLI::App& program);
 Action add_run(CLI::App& program);
 Action add_serve(CLI::App& program);
 Action add_aboard(CLI::App& program);
+Action add_setup(CLI::App& program);
 Action add_stand_in(CLI::App& program);
 Action add_sim(CLI::App& program);
 Action add_eval(CLI::App& program);

@@ -25,15 +25,14 @@ struct StandInCommand {
 };
 
 std::vector<StandInRequest::Device> devices_of(const std::vector<std::string>& words) {
-  constexpr DeviceKind kKinds[] = {DeviceKind::kPing360, DeviceKind::kPing1D, DeviceKind::kOculus, DeviceKind::kDvlA50};
   std::vector<StandInRequest::Device> devices;
   for (const std::string& word : words) {
     const std::size_t at = word.find('=');
     const std::string kind = word.substr(0, at);
-    const auto* const found = std::ranges::find_if(kKinds, [&](DeviceKind k) { return kind == to_text(k); });
-    if (at == std::string::npos || found == std::end(kKinds)) {
+    const auto* const found = std::ranges::find_if(kDeviceKinds, [&](DeviceKind k) { return kind == to_text(k); });
+    if (at == std::string::npos || found == std::end(kDeviceKinds)) {
       throw Error(word + ": not a device with its link", {"--device"},
-                  "ping360, ping1d, oculus or dvl-a50, then =LINK");
+                  "ping360, ping1d, micron, oculus, dvl-a50 or nmea, then =LINK");
     }
     devices.push_back({*found, word.substr(at + 1)});
   }
@@ -128,6 +127,17 @@ Action add_stand_in(CLI::App& program) {
       ->type_name("KIND=LINK")
       ->allow_extra_args(false)
       ->group("Links");
+  command->add_option("--oculus-status", request.oculus_status, "Where the stand-in of an Oculus broadcasts its status")
+      ->type_name("LINK")
+      ->capture_default_str()
+      ->group("Links");
+  command
+      ->add_option(
+          "--ping360-discovery", request.ping360_discovery,
+          "Where the stand-in of a Ping360 answers those that look for it, such as udp-server:127.255.255.255:30303")
+      ->type_name("LINK")
+      ->default_str("nowhere")
+      ->group("Links");
   command->add_option("--unplug", request.unplug.times, "How often each cable is pulled, at random bytes")
       ->check(whole(0, 1000))
       ->capture_default_str()
@@ -145,6 +155,8 @@ Action add_stand_in(CLI::App& program) {
                    "The pilot arms and chooses GUIDED so many seconds after a companion is heard")
       ->check(number(0.0, 3600.0))
       ->capture_default_str()
+      ->group("Run");
+  command->add_flag("--stay", request.stays, "Go on 5 s after the companion has fallen silent, for the next one")
       ->group("Run");
   command->add_option("--pilot", options->pilot, "The pilot takes over, s after GUIDED was chosen, such as 20-30")
       ->type_name("FROM-TO")

@@ -85,7 +85,7 @@ void AutopilotLink::on_frame(const MavlinkFrame& frame, Time time) {
   }
   auto event = vehicle_.take(time, frame);
   if (report_.origin) {
-    events_.locate(*report_.origin);
+    events_.locate(*report_.origin, LinkSource::Locates::kFirst);
     const std::lock_guard lock(mutex_);
     origin_ = report_.origin;
   }
@@ -93,6 +93,7 @@ void AutopilotLink::on_frame(const MavlinkFrame& frame, Time time) {
   if (const auto* fix = std::get_if<Navigation>(&*event)) {
     const std::lock_guard lock(mutex_);
     fix_ = *fix;
+    if (!gives_navigation_) return;
   }
   events_.give(std::move(*event));
 }

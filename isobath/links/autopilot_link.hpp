@@ -55,6 +55,9 @@ class AutopilotLink final : public ByteReceiver {
     link_ = &link;
   }
 
+  /// Before the hub starts: a device gives the vehicle's navigation.
+  void leave_navigation_to_device() { gives_navigation_ = false; }
+
   void on_open(Time time) override;
   void on_bytes(Bytes bytes, Time time) override;
   void on_tick(Time now) override;
@@ -93,6 +96,7 @@ class AutopilotLink final : public ByteReceiver {
   LinkSource& events_;
   LinkHub* hub_ = nullptr;
   ByteLink* link_ = nullptr;
+  bool gives_navigation_ = true;
   InputConfig input_;
   SourceReport report_;
   MavlinkVehicle vehicle_;

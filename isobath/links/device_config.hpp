@@ -9,7 +9,10 @@
 
 namespace isobath {
 
-enum class DeviceKind : std::uint8_t { kPing360, kPing1D, kOculus, kDvlA50 };
+enum class DeviceKind : std::uint8_t { kPing360, kPing1D, kMicron, kOculus, kDvlA50, kNmea };
+/// All of them.
+inline constexpr DeviceKind kDeviceKinds[] = {DeviceKind::kPing360, DeviceKind::kPing1D, DeviceKind::kMicron,
+                                              DeviceKind::kOculus,  DeviceKind::kDvlA50, DeviceKind::kNmea};
 const char* to_text(DeviceKind kind);
 
 /// Where an echo sounder looks; usual: down.
@@ -31,11 +34,16 @@ struct DeviceConfig {
   Angle step = Angle::degrees(2.7);
   int samples = 500;  ///< a line of a scanning head
   int frequency_khz = 750;
-  int gain = 1;             ///< of a Ping360: 0 low, 1 normal, 2 high; of an Oculus: percent
+  int gain = -1;            ///< of a Ping360: 0 low, 1 normal, 2 high; of others: percent; -1: 1, or 50 percent
   double interval_s = 0.1;  ///< between the requests to a Ping1D
-  bool navigation = false;  ///< whether the dead reckoning of a DVL is the vehicle's navigation
+  bool navigation = false;  ///< whether a DVL or NMEA 0183 gives the vehicle's navigation
 
   [[nodiscard]] std::string called() const { return name.empty() ? to_text(kind) : name; }
+  [[nodiscard]] int gain_in_use() const;
+  /// Whether a command can turn its beam: a scanning head.
+  [[nodiscard]] bool scans() const { return kind == DeviceKind::kPing360 || kind == DeviceKind::kMicron; }
+  /// Whether it gives pings.
+  [[nodiscard]] bool images() const { return scans() || kind == DeviceKind::kOculus; }
   /// What the decoder of the device's messages needs.
   [[nodiscard]] InputConfig input() const;
 };

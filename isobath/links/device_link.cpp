@@ -25,15 +25,19 @@ void DeviceLink::tell(SourceReport& report) {
     events_.refuse(fmt::format("{}: {}", config_.called(), reason), count);
   if (report.bytes_skipped > 0) events_.refuse(fmt::format("{}: bytes that are no message", config_.called()));
   for (const auto& [key, value] : report.details) events_.note(fmt::format("{}, {}", config_.called(), key), value);
-  report = SourceReport{};
+  SourceReport empty;
+  empty.origin = report.origin;
+  report = std::move(empty);
 }
 
 std::unique_ptr<DeviceLink> make_device_link(const DeviceConfig& config, LinkSource& events) {
   switch (config.kind) {
     case DeviceKind::kPing360: return make_ping360_link(config, events);
     case DeviceKind::kPing1D: return make_ping1d_link(config, events);
+    case DeviceKind::kMicron: return make_micron_link(config, events);
     case DeviceKind::kOculus: return make_oculus_link(config, events);
     case DeviceKind::kDvlA50: return make_dvl_link(config, events);
+    case DeviceKind::kNmea: return make_nmea_link(config, events);
   }
   return nullptr;
 }

@@ -4,8 +4,10 @@
 //   Ping360   auto_transmit: the head sweeps its sector by itself. If no line comes for 2 s, it is commanded again. An
 //             older head that refuses is asked line by line (transducer).
 //   Ping1D    a request for `distance` each interval
+//   Micron    head command, then a request for each line (micron_link.cpp)
 //   Oculus    a fire message each second
 //   DVL A50   JSON lines (json_v3): altitude and beams become ranges, velocity reports the velocity
+//   NMEA      sentences (nmea_decoder.hpp): depths; with DeviceConfig::navigation also position and heading
 //
 // Times: a ping has the time of its transmission, that is, of the arrival of its first byte less the time of listening.
 // Bytes that are no message, and messages that cannot be used, are counted by reason; a message that was not asked for
@@ -48,7 +50,7 @@ class DeviceLink : public ByteReceiver {
   virtual void begin() = 0;
   /// `arrival`: of its last byte.
   void give(Event event, Time arrival);
-  /// Tells the run what the decoders have counted since the last call.
+  /// Tells the run what the decoders have counted since the last call; the origin stays in `report`.
   void tell(SourceReport& report);
 
   DeviceConfig config_;
@@ -64,7 +66,9 @@ std::unique_ptr<DeviceLink> make_device_link(const DeviceConfig& config, LinkSou
 // One of each kind; make_device_link calls them.
 std::unique_ptr<DeviceLink> make_ping360_link(const DeviceConfig& config, LinkSource& events);
 std::unique_ptr<DeviceLink> make_ping1d_link(const DeviceConfig& config, LinkSource& events);
+std::unique_ptr<DeviceLink> make_micron_link(const DeviceConfig& config, LinkSource& events);
 std::unique_ptr<DeviceLink> make_oculus_link(const DeviceConfig& config, LinkSource& events);
 std::unique_ptr<DeviceLink> make_dvl_link(const DeviceConfig& config, LinkSource& events);
+std::unique_ptr<DeviceLink> make_nmea_link(const DeviceConfig& config, LinkSource& events);
 
 }  // namespace isobath

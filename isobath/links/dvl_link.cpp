@@ -1,4 +1,5 @@
 #include <cmath>
+#include <isobath/io/bytes/line_stream.hpp>
 #include <isobath/io/input/scanning_head.hpp>
 #include <isobath/io/input/survey_input.hpp>
 #include <isobath/links/device_link.hpp>
@@ -31,22 +32,15 @@ class DvlLink final : public DeviceLink {
   using DeviceLink::DeviceLink;
 
   void on_bytes(Bytes bytes, Time time) override {
-    for (const std::byte b : bytes) {
-      const char c = static_cast<char>(b);
-      if (c != '\n') {
-        if (line_.size() < kLongestLine) line_.push_back(c);
-        continue;
-      }
-      if (line_.size() > 1) on_line(time);
-      line_.clear();
-    }
+    const std::uint64_t dropped = lines_.push(bytes, [&](std::string_view line) { on_line(line, time); });
+    if (dropped > 0) report_.rejected["line too long"] += dropped;
     tell(report_);
   }
 
  private:
-  void begin() override { line_.clear(); }
-  void on_line(Time time) {
-    const Json report = Json::parse(line_, nullptr, false);
+  void begin() override { lines_.clear(); }
+  void on_line(std::string_view line, Time time) {
+    const Json report = Json::parse(line, nullptr, false);
     const auto type = report.is_object() ? report.find("type") : report.end();
     if (!report.is_object() || type == report.end() || !type->is_string()) {
       ++report_.rejected["line that is no report"];
@@ -97,7 +91,7 @@ class DvlLink final : public DeviceLink {
 
   static constexpr double kTilt = 0.02;  // rad: of its attitude, estimated
   SourceReport report_;
-  std::string line_;
+  LineStream lines_{kLongestLine};
   Time told_{};
 };
 

@@ -2,17 +2,20 @@
 #include <charconv>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/io/formats/oculus/oculus_status.hpp>
 #include <isobath/links/link_address.hpp>
 
 namespace isobath {
 namespace {
 
 using Kind = LinkAddress::Kind;
-constexpr std::array<std::pair<std::string_view, Kind>, 5> kKinds{{{"udp", Kind::kUdp},
+constexpr std::array<std::pair<std::string_view, Kind>, 7> kKinds{{{"udp", Kind::kUdp},
                                                                    {"udp-server", Kind::kUdpServer},
                                                                    {"tcp", Kind::kTcp},
                                                                    {"tcp-server", Kind::kTcpServer},
-                                                                   {"serial", Kind::kSerial}}};
+                                                                   {"serial", Kind::kSerial},
+                                                                   {"oculus", Kind::kOculus},
+                                                                   {"pty", Kind::kPty}}};
 constexpr int kMaxBaud = 4'000'000, kMaxPort = 65535;
 
 std::string_view word_of(Kind kind) {
@@ -24,12 +27,16 @@ std::string_view word_of(Kind kind) {
 
 }  // namespace
 
-std::string LinkAddress::text() const { return fmt::format("{}:{}:{}", word_of(kind), host, port); }
+std::string LinkAddress::text() const {
+  if (kind == Kind::kPty) return fmt::format("{}:{}", word_of(kind), host);
+  return fmt::format("{}:{}:{}", word_of(kind), host, port);
+}
 
 LinkAddress link_address_of(std::string_view text, const std::string& key) {
   const auto refuse = [&](const std::string& what) -> LinkAddress {
-    throw Error(fmt::format("{}: {}", text.substr(0, 80), what), {.key = key},
-                "udp:HOST:PORT, udp-server:PORT, tcp:HOST:PORT, tcp-server:PORT or serial:DEVICE:BAUD");
+    throw Error(
+        fmt::format("{}: {}", text.substr(0, 80), what), {.key = key},
+        "udp:HOST:PORT, udp-server:PORT, tcp:HOST:PORT, tcp-server:PORT, serial:DEVICE:BAUD, oculus:auto or pty:PATH");
   };
   const std::size_t head = text.find(':');
   if (head == std::string_view::npos) return refuse("not the address of a link");
@@ -42,6 +49,16 @@ LinkAddress link_address_of(std::string_view text, const std::string& key) {
   }
   if (!known) return refuse("no such kind of link");
   std::string_view rest = text.substr(head + 1);
+  if (address.kind == Kind::kPty && !rest.empty()) {
+    address.host = rest;
+    return address;
+  }
+  if (address.kind == Kind::kOculus && rest.find(':') == std::string_view::npos) {
+    address.host = rest;
+    address.port = kOculusStatusPort;
+    if (rest.empty()) return refuse("auto or the number of the device is missing");
+    return address;
+  }
   const std::size_t last = rest.rfind(':');
   const bool server = address.kind == Kind::kUdpServer || address.kind == Kind::kTcpServer;
   if (last == std::string_view::npos && !server) return refuse("the host or the port is missing");

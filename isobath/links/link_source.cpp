@@ -23,10 +23,20 @@ void LinkSource::give(Event event, std::optional<Time> arrival) {
   given_.notify_one();
 }
 
-void LinkSource::locate(const GeoOrigin& origin) {
+void LinkSource::locate(const GeoOrigin& origin, Locates locates) {
   const std::lock_guard lock(mutex_);
-  if (!report_.origin) report_.origin = origin;
+  if (!report_.origin || (locates == Locates::kFirst && !begun_)) report_.origin = origin;
   changed_ = true;
+}
+
+std::optional<GeoOrigin> LinkSource::origin() {
+  const std::lock_guard lock(mutex_);
+  return report_.origin;
+}
+
+void LinkSource::drop_waiting() {
+  const std::lock_guard lock(mutex_);
+  waiting_.clear();
 }
 
 void LinkSource::note(const std::string& key, const std::string& value) {
@@ -49,6 +59,7 @@ void LinkSource::end() {
 
 std::optional<Event> LinkSource::next() {
   std::unique_lock lock(mutex_);
+  begun_ = true;
   given_.wait_for(lock, beat_, [this] { return ended_ || !waiting_.empty(); });
   if (std::exchange(changed_, false)) shown_ = report_;
   if (ended_) return std::nullopt;

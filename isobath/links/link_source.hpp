@@ -25,7 +25,13 @@ class LinkSource final : public Source {
   /// From the thread of the links.
   /// `arrival`: of the last byte; by default the time of the event.
   void give(Event event, std::optional<Time> arrival = {});
-  void locate(const GeoOrigin& origin);
+  /// The origin of the world. kFirst: it replaces that of another link if the run has not begun; else the first that
+  /// is given stays.
+  enum class Locates : std::uint8_t { kFirst, kIfUnknown };
+  void locate(const GeoOrigin& origin, Locates locates = Locates::kIfUnknown);
+  [[nodiscard]] std::optional<GeoOrigin> origin();
+  /// Drops the events that wait, before the run begins: they are old by then.
+  void drop_waiting();
   void note(const std::string& key, const std::string& value);
   void refuse(const std::string& reason, std::uint64_t count = 1);
   /// From any thread.
@@ -48,7 +54,7 @@ class LinkSource final : public Source {
     Time arrival;
   };
   std::deque<Arrived> waiting_;
-  bool ended_ = false, changed_ = false;
+  bool ended_ = false, changed_ = false, begun_ = false;
   SourceReport report_;  ///< guarded by mutex_
   SourceReport shown_;   ///< of the run
   Time arrival_{};       ///< of the run

@@ -42,8 +42,9 @@ class OculusLink final : public DeviceLink {
  private:
   void begin() override {
     fired_ = hub_->now();
-    link_->send(oculus_fire(
-        {.range_m = range_m_, .gain_percent = static_cast<double>(config_.gain), .sound_speed = config_.sound_speed}));
+    link_->send(oculus_fire({.range_m = range_m_,
+                             .gain_percent = static_cast<double>(config_.gain_in_use()),
+                             .sound_speed = config_.sound_speed}));
   }
 
   SourceReport report_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Duration kSilence = std::chrono::seconds(2);             // until the device is commanded again
 constexpr Duration kLineTimeout = std::chrono::milliseconds(500);  // of a head that is asked line by line
-constexpr std::uint8_t kNoGain = 2;
+constexpr std::uint8_t kHighGain = 2;
 
 /// The frames of a Blue Robotics device.
 class PingLink : public DeviceLink {
@@ -93,7 +93,7 @@ class Ping360Link final : public PingLink {
                              .range_m = wanted_.range_m,
                              .samples = wanted_.samples,
                              .frequency_khz = wanted_.frequency_khz,
-                             .gain = std::min(wanted_.gain, int{kNoGain}),
+                             .gain = std::min(wanted_.gain_in_use(), int{kHighGain}),
                              .sound_speed = config_.sound_speed});
   }
   void on_frame(const PingFrame& frame) override {

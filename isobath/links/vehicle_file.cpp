@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <isobath/links/vehicle_file.hpp>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -21,11 +23,21 @@ Schema schema_of(VehicleFile& file) {
       {device_list(file.devices)}};
 }
 
+void check_link(const DeviceConfig& device) {
+  using Kind = LinkAddress::Kind;
+  const LinkAddress address = link_address_of(device.link, "link");
+  if (device.kind == DeviceKind::kNmea && address.kind == Kind::kUdp)
+    throw Error(device.link + ": NMEA 0183 is only heard, and is not sent to", device.place, "udp-server:PORT");
+}
+
 void check_devices(const VehicleFile& file) {
   std::vector<std::string> names;
+  bool navigates = false;
   for (const DeviceConfig& device : file.devices) {
     if (device.link.empty()) throw Error("the device has no link", device.place, "udp:HOST:PORT and the like");
-    (void)link_address_of(device.link, "link");
+    check_link(device);
+    if (device.navigation && std::exchange(navigates, true))
+      throw Error("two devices are to give the vehicle's navigation", device.place, "", "leave out navigation in one");
     if (std::ranges::find(names, device.called()) != names.end())
       throw Error("two devices are called " + device.called(), device.place, "", "give each a name");
     names.push_back(device.called());
@@ -46,6 +58,29 @@ VehicleFile parse_vehicle_file(std::string_view text, const std::string& file) {
 }
 
 VehicleFile load_vehicle_file(const std::string& file) { return parse_vehicle_file(text_of_file(file), file); }
+
+std::string vehicle_file_text(VehicleFile vehicle) {
+  VehicleFile usual;
+  const Schema schema = schema_of(vehicle), defaults = schema_of(usual);
+  std::string text;
+  const auto say = [&text](const std::string& header, const std::vector<Field>& fields,
+                           const std::vector<Field>& usual_fields) {
+    text += (text.empty() ? "" : "\n") + header + "\n";
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const std::string& name = fields[i].name();
+      const bool always = name == "kind" || name == "link" || name == "model" || name == "from";
+      if (always || fields[i].value() != usual_fields[i].value()) text += name + " = " + fields[i].value() + "\n";
+    }
+  };
+  for (std::size_t i = 0; i < schema.sections.size(); ++i) {
+    say("[" + schema.sections[i].name + "]", schema.sections[i].fields, defaults.sections[i].fields);
+  }
+  for (DeviceConfig& device : vehicle.devices) {
+    DeviceConfig plain;
+    say("[[device]]", fields(device), fields(plain));
+  }
+  return text;
+}
 
 std::string vehicle_file_template() {
   VehicleFile vehicle;

@@ -31,6 +31,8 @@ struct VehicleFile {
 
 VehicleFile parse_vehicle_file(std::string_view text, const std::string& file);
 VehicleFile load_vehicle_file(const std::string& file);
+/// The file that reads so: of each section and device the settings that are not the defaults, and the links.
+std::string vehicle_file_text(VehicleFile vehicle);
 /// Every section with its defaults, annotated.
 std::string vehicle_file_template();
 

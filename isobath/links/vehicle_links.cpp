@@ -10,14 +10,14 @@ VehicleLinks::VehicleLinks(VehicleFile file, double speed)
   autopilot_.use(hub_, hub_.add(link_address_of(file_.autopilot.link, "autopilot.link"), autopilot_));
   for (const DeviceConfig& config : file_.devices) {
     DeviceLink& device = *devices_.emplace_back(make_device_link(config, source_));
+    if (config.navigation) autopilot_.leave_navigation_to_device();
     device.use(hub_, hub_.add(link_address_of(config.link, "link"), device));
   }
 }
 
 void VehicleLinks::scan(const ScanCommand& command) {
   for (const auto& device : devices_) {
-    const DeviceKind kind = device->config().kind;
-    if (kind == DeviceKind::kPing360 || kind == DeviceKind::kOculus) return device->command(command);
+    if (device->config().images()) return device->command(command);
   }
 }
 

@@ -4,42 +4,20 @@
 #include <isobath/io/formats/oculus/oculus_commands.hpp>
 #include <isobath/io/formats/oculus/oculus_protocol.hpp>
 #include <isobath/io/formats/ping/ping_commands.hpp>
-#include <isobath/standin/device_stand_ins.hpp>
+#include <isobath/standin/framed_stand_in.hpp>
 
 namespace isobath {
 namespace {
-
-/// A stand-in whose host speaks in frames. The mutex guards what the frames have set.
-class FramedStandIn : public DeviceStandIn {
- public:
-  FramedStandIn(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream, FrameAt frame_at)
-      : DeviceStandIn(kind, unplug, stream), frames_(frame_at) {}
-
-  void on_bytes(Bytes bytes, Time time) final {
-    const std::lock_guard lock(mutex_);
-    frames_.push(bytes, time, 0);
-    while (const auto found = frames_.next(report_)) on_frame(found->frame, time);
-    report_ = SourceReport{};
-  }
-  std::optional<ScanCommand> take_command() final {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(command_, std::nullopt);
-  }
-
- protected:
-  virtual void on_frame(Bytes frame, Time time) = 0;
-  std::mutex mutex_;
-  std::optional<ScanCommand> command_;
-
- private:
-  SourceReport report_;
-  FrameStream frames_;
-};
 
 constexpr Duration kFireLasts = std::chrono::seconds(3);
 constexpr double kDown = 0.7;  // least z of an axis that looks down
 
 bool points_down(const RangeReading& reading) { return (reading.X_BS.rotation * Eigen::Vector3d::UnitX()).z() > kDown; }
+
+bool asks_who(const PingFrame& frame) {
+  return frame.id == ping_message::kGeneralRequest &&
+         ByteCursor(frame.payload).little<std::uint16_t>() == ping_message::kDeviceInformation;
+}
 
 class Ping360StandIn final : public FramedStandIn {
  public:
@@ -63,7 +41,8 @@ class Ping360StandIn final : public FramedStandIn {
   }
 
  private:
-  void on_frame(Bytes frame, Time /*time*/) override {
+  void on_frame(Bytes frame, Time time) override {
+    if (asks_who(ping_frame(frame))) return send(ping_device_information(PingDeviceType::kPing360), time);
     const auto request = ping360_request(ping_frame(frame));
     if (!request) return;
     if (request->sweeps) command_ = command_of(request->settings);
@@ -107,6 +86,7 @@ class Ping1DStandIn final : public FramedStandIn {
  private:
   void on_frame(Bytes bytes, Time time) override {
     const PingFrame frame = ping_frame(bytes);
+    if (asks_who(frame)) return send(ping_device_information(PingDeviceType::kPing1D), time);
     const bool asks = frame.id == ping_message::kGeneralRequest &&
                       ByteCursor(frame.payload).little<std::uint16_t>() == ping_message::kDistance;
     if (!asks || !newest_) return;
@@ -198,12 +178,15 @@ class DvlStandIn final : public DeviceStandIn {
 
 }  // namespace
 
-std::unique_ptr<DeviceStandIn> make_device_stand_in(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream) {
+std::unique_ptr<DeviceStandIn> make_device_stand_in(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream,
+                                                    const GeoOrigin& origin) {
   switch (kind) {
     case DeviceKind::kPing360: return std::make_unique<Ping360StandIn>(unplug, stream);
     case DeviceKind::kPing1D: return std::make_unique<Ping1DStandIn>(unplug, stream);
+    case DeviceKind::kMicron: return make_micron_stand_in(unplug, stream);
     case DeviceKind::kOculus: return std::make_unique<OculusStandIn>(unplug, stream);
     case DeviceKind::kDvlA50: return std::make_unique<DvlStandIn>(unplug, stream);
+    case DeviceKind::kNmea: return make_nmea_stand_in(unplug, stream, origin);
   }
   return nullptr;
 }

@@ -71,15 +71,30 @@ StandIns::StandIns(const Scenario& scenario, const StandInRequest& request)
   autopilot_.use(hub_, hub_.add(link_address_of(request.autopilot, "--autopilot"), autopilot_));
   std::uint64_t stream = 1;
   for (const StandInRequest::Device& device : request.devices) {
-    auto& made = *devices_.emplace_back(make_device_stand_in(device.kind, request_.unplug, stream++));
+    auto& made =
+        *devices_.emplace_back(make_device_stand_in(device.kind, request_.unplug, stream++, known_origin(scenario)));
     made.use(hub_, hub_.add(link_address_of(device.link, "--device"), made));
+    announce(device);
   }
   hub_.start();
   began_ = std::chrono::steady_clock::now();
 }
 
+/// How the device lets itself be found, if it does.
+void StandIns::announce(const StandInRequest::Device& device) {
+  const LinkAddress address = link_address_of(device.link, "--device");
+  if (device.kind == DeviceKind::kOculus) {
+    auto& beacon = *beacons_.emplace_back(std::make_unique<OculusBeacon>(address));
+    beacon.use(hub_.add(link_address_of(request_.oculus_status, "--oculus-status"), beacon));
+  }
+  if (device.kind == DeviceKind::kPing360 && !request_.ping360_discovery.empty()) {
+    auto& finder = *finders_.emplace_back(std::make_unique<Ping360Finder>(address));
+    finder.use(hub_.add(link_address_of(request_.ping360_discovery, "--ping360-discovery"), finder));
+  }
+}
+
 bool StandIns::step() {
-  if (autopilot_.deserted()) return false;
+  if (!request_.stays && autopilot_.deserted()) return false;
   Simulator& simulator = source_.simulator();
   for (const auto& device : devices_) {
     if (const auto command = device->take_command()) simulator.command_scanning(*command);

@@ -28,7 +28,11 @@ struct StandInRequest {
     std::string link;
   };
   std::vector<Device> devices;
-  double speed = 1;  ///< times real time
+  /// Where Oculus stand-ins broadcast their status.
+  std::string oculus_status = "udp:127.255.255.255:52102";
+  std::string ping360_discovery;  ///< where a Ping360 stand-in answers those that look for it; empty: nowhere
+  bool stays = false;             ///< whether it goes on after the companion has fallen silent
+  double speed = 1;               ///< times real time
   double guided_after_s = 2;
   std::vector<PilotTurn> turns;
   UnplugConfig unplug;  ///< its speed is that of the request
@@ -42,7 +46,7 @@ class StandIns {
   ~StandIns() { hub_.stop(); }
 
   /// Simulates up to the next event and waits for its time. Returns false at the end of the scene's time, or 5 s after
-  /// the companion has fallen silent.
+  /// the companion has fallen silent, unless it stays.
   bool step();
   [[nodiscard]] const TrackTruth& truth() const { return truth_.truth(); }
   /// Where the autopilot listens, if its link is a server.
@@ -52,12 +56,16 @@ class StandIns {
   [[nodiscard]] double now_s() const { return source_.simulator().now_s(); }
 
  private:
+  void announce(const StandInRequest::Device& device);
+
   const StandInRequest request_;
   mutable SimulatedSource source_;
   GroundTruthTrajectory truth_;
   LinkHub hub_;
   AutopilotStandIn autopilot_;
   std::vector<std::unique_ptr<DeviceStandIn>> devices_;
+  std::vector<std::unique_ptr<OculusBeacon>> beacons_;
+  std::vector<std::unique_ptr<Ping360Finder>> finders_;
   std::chrono::steady_clock::time_point began_;
   double steered_s_ = 0;
 };

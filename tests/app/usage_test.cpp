@@ -9,9 +9,9 @@ namespace {
 using test::ends_with_one_line, test::write;
 using testing::HasSubstr, testing::StartsWith;
 
-const std::vector<std::string> kCommands{"run",     "serve",   "aboard",  "stand-in",   "sim",    "eval",
-                                         "info",    "convert", "compare", "crosscheck", "path",   "calibrate",
-                                         "control", "helix",   "sphere",  "stereo",     "config", "help"};
+const std::vector<std::string> kCommands{
+    "run",        "serve", "setup",     "aboard",  "stand-in", "sim",    "eval",   "info",   "convert", "compare",
+    "crosscheck", "path",  "calibrate", "control", "helix",    "sphere", "stereo", "config", "help"};
 
 TEST(Usage, HelpAndVersion) {
   const std::string overview = test::isobath({"--help"}).out;

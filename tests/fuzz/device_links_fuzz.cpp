@@ -36,8 +36,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::CountingLink link;
   LinkSource source([&hub] { return hub.now(); });
   constexpr std::size_t kAnswer = 1024;  // bytes to a byte that is heard
-  const unsigned who = data[0] % 5;
-  if (who == 4) {
+  const unsigned who = data[0] % 7;
+  constexpr unsigned kAutopilot = 4;
+  if (who == kAutopilot) {
     AutopilotLink autopilot({}, source);
     autopilot.use(hub, link);
     autopilot.want_mission();
@@ -45,7 +46,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     (void)autopilot.mode();
   } else {
     constexpr DeviceKind kKinds[] = {DeviceKind::kPing360, DeviceKind::kPing1D, DeviceKind::kOculus,
-                                     DeviceKind::kDvlA50};
+                                     DeviceKind::kDvlA50,  DeviceKind::kNmea,   DeviceKind::kMicron,
+                                     DeviceKind::kNmea};  // the fifth is not used
     DeviceConfig config;
     config.kind = kKinds[who];
     config.navigation = true;

@@ -1,5 +1,8 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <isobath/io/bytes/bytes.hpp>
+#include <isobath/io/bytes/line_stream.hpp>
+#include <string>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -23,6 +26,19 @@ TEST(ByteCursor, ReadsFloatingPoint) {
                                      std::byte{0}, std::byte{0}, std::byte{0xf8}, std::byte{0x3f}};
   EXPECT_EQ(ByteCursor(raw).little<double>(), 1.5);
   EXPECT_EQ(ByteCursor(raw, 4).little<float>(), 1.9375f);
+}
+
+TEST(LineStream, KeepsLinesWholeAndBounded) {
+  LineStream lines(5);
+  std::vector<std::string> heard;
+  const auto push = [&](std::string_view text) {
+    return lines.push(bytes_of(text), [&](std::string_view line) { heard.emplace_back(line); });
+  };
+  EXPECT_EQ(push("ab"), 0u);
+  EXPECT_EQ(push("c\r\n\r\n12345\n"), 0u);
+  EXPECT_EQ(push(std::string(100'000, 'x')), 0u);
+  EXPECT_EQ(push("y\nz\n"), 1u) << "one line was too long";
+  EXPECT_THAT(heard, testing::ElementsAre("abc", "12345", "z"));
 }
 
 }  // namespace

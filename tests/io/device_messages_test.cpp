@@ -1,11 +1,15 @@
 // What a host sends to devices and to an autopilot, against frames that others made: node-mavlink, and the frames of
 // Blue Robotics' own definitions.
+#include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/io/formats/mavlink/mavlink_messages.hpp>
 #include <isobath/io/formats/oculus/oculus_commands.hpp>
 #include <isobath/io/formats/oculus/oculus_protocol.hpp>
+#include <isobath/io/formats/oculus/oculus_status.hpp>
 #include <isobath/io/formats/ping/ping_commands.hpp>
+#include <isobath/io/formats/ping/ping_discovery.hpp>
+#include <isobath/io/formats/tritech/tritech_commands.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 
 namespace isobath::device_messages {
@@ -153,6 +157,86 @@ TEST(OculusCommands, AnImageIsReadAsItWasWritten) {
   ASSERT_TRUE(fire);
   EXPECT_EQ(fire->range_m, 7);
   EXPECT_EQ(fire->sound_speed, 1480);
+}
+
+// Frames of the published layout; no head was at hand.
+TEST(TritechCommands, AreTheFramesOfTheProtocol) {
+  EXPECT_EQ(text(tritech_send_version()), hex("40 30 30 30 38 08 00 FF 02 03 17 80 02 0A"));
+  EXPECT_EQ(text(tritech_send_data()), hex("40 30 30 30 43 0C 00 FF 02 07 19 80 02 00 00 00 00 0A"));
+  TritechSettings settings = tritech_settings({.middle = {},
+                                               .sector = Angle::degrees(90),
+                                               .step = Angle::degrees(0.9),
+                                               .range_m = 10,
+                                               .samples = 400,
+                                               .gain_percent = 50,
+                                               .sound_speed = 1500});
+  settings.full_circle = true;  // as the published frame has it
+  EXPECT_EQ(
+      text(tritech_head_command(settings)),
+      hex("40 30 30 33 43 3C 00 FF 02 37 13 80 02 01 07 23 11") + std::string(16, '\0') +
+          hex("00 00 64 00 60 09 A0 0F FF 00 69 69 00 00 00 00 19 10 34 00 90 01 F4 01 64 00 40 06 01 00 00 00 0A"));
+}
+
+TEST(TritechCommands, SettingsAreReadAsTheyWereWritten) {
+  const TritechSettings settings = tritech_settings({.middle = Angle::degrees(-170),
+                                                     .sector = Angle::degrees(60),
+                                                     .step = Angle::degrees(1.8),
+                                                     .range_m = 0.75,
+                                                     .samples = 1200,
+                                                     .gain_percent = 30,
+                                                     .sound_speed = 1480});
+  EXPECT_LT(settings.bins * 1480 * settings.bin_time * 640e-9 / 2, 0.76);
+  EXPECT_GT(settings.left_limit, 5800) << "the sector lies across astern";
+  EXPECT_LT(settings.right_limit, 800);
+  const auto request = tritech_request(tritech_frame(tritech_head_command(settings)));
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->settings.left_limit, settings.left_limit);
+  EXPECT_EQ(request->settings.right_limit, settings.right_limit);
+  EXPECT_EQ(request->settings.bins, settings.bins);
+  EXPECT_FALSE(request->settings.full_circle);
+  auto damaged = tritech_head_command(settings);
+  damaged[13 + 25] = std::byte{0xff};  // the left limit is no bearing
+  EXPECT_FALSE(tritech_request(tritech_frame(damaged)));
+}
+
+TEST(TritechCommands, ALineIsReadAsItWasWritten) {
+  const std::vector<std::byte> samples{std::byte{'@'}, std::byte{'\n'}, std::byte{255}};
+  TritechSettings settings;
+  settings.bin_time = 52;
+  const auto frame = tritech_line_bytes(settings, 4800, samples);
+  ASSERT_EQ(tritech_frame_at(frame).kind, Framing::Kind::kFrame);
+  const auto line = tritech_line(tritech_frame(frame).payload);
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->bearing, 4800);
+  EXPECT_EQ(line->bin_time, 52);
+  EXPECT_TRUE(std::ranges::equal(line->samples, samples));
+  EXPECT_TRUE(line->widths_agree());
+  EXPECT_TRUE(tritech_alive(tritech_frame(tritech_alive_bytes({.has_no_settings = true})))->has_no_settings);
+  EXPECT_FALSE(tritech_alive(tritech_frame(tritech_alive_bytes({.has_no_settings = false})))->has_no_settings);
+  EXPECT_EQ(tritech_frame_at(tritech_version_bytes(7)).kind, Framing::Kind::kFrame);
+}
+
+TEST(OculusStatus, SaysWhereTheSonarIs) {
+  const auto bytes = oculus_status_bytes({.device = 7892, .part = 1032, .ip = 0xC0A80204, .client = 0});
+  ASSERT_EQ(bytes.size(), 142u);
+  EXPECT_EQ(text(Bytes(bytes).subspan(52, 4)), hex("C0 A8 02 04")) << "its octets in order";
+  const auto status = oculus_status_of(bytes);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->device, 7892u);
+  EXPECT_EQ(oculus_model(status->part), "M750d");
+  EXPECT_EQ(oculus_address(*status, 0x7F000001), 0xC0A80204u);
+  EXPECT_EQ(oculus_address({.ip = 0x0402A8C0}, 0xC0A80204), 0xC0A80204u) << "the octets may be reversed";
+  EXPECT_EQ(oculus_address({.ip = 0}, 0xC0A80204), 0xC0A80204u);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(oculus_status_of(Bytes(bytes).first(size))) << size;
+}
+
+TEST(Ping360Discovery, FindsTheAddressInTheAnswer) {
+  const std::string answer = ping360_discovery_answer("192.168.1.20");
+  EXPECT_NE(answer.find("192.168.001.020"), std::string::npos);
+  EXPECT_EQ(ping360_address_in(bytes_of(answer)), "192.168.1.20") << "padded octets are decimal";
+  EXPECT_FALSE(ping360_address_in(bytes_of("SONAR PING360 v1.2.3 at 300.1.1.1, 1.2.3.4.5")));
+  EXPECT_FALSE(ping360_address_in(bytes_of("another device, 192.168.1.20")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <isobath/io/formats/nmea.hpp>
+#include <isobath/io/formats/nmea_decoder.hpp>
 #include <isobath/io/open_source.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/io/survey_events.hpp>
@@ -211,6 +212,29 @@ TEST(Nmea, RealLogGivesAllItsDepths) {
   int back = 0;
   for (std::size_t i = 1; i < events.size(); ++i) back += time_of(events[i]) < time_of(events[i - 1]);
   EXPECT_EQ(back, 3);
+}
+
+// A live link: events have the time of their arrival, and the clock of the sentences is compared with it.
+TEST(NmeaDecoder, GivesTheTimesOfArrivalOnALink) {
+  SourceReport report;
+  InputConfig config;
+  NmeaDecoder decoder(config, report, NmeaDecoder::Times::kHost);
+  const Time noon{std::chrono::hours(24 * 20000 + 12)};
+  const auto hear = [&](const std::string& body, double s) {
+    return decoder.event(sentence_of(nmea_line(body)), noon + seconds(s));
+  };
+  const auto early = hear("SDDPT,4.5,0.5,100", 1);
+  ASSERT_TRUE(early) << "a depth needs no position";
+  EXPECT_EQ(time_of(*early), noon + seconds(1));
+  hear("HEHDT,90.0,T", 2);
+  const auto fix = hear("GPGGA,115958.00,4807.0380,N,01131.0000,E,4,08,0.9,0,M,0,M,,", 3);
+  ASSERT_TRUE(fix);
+  EXPECT_EQ(time_of(*fix), noon + seconds(3));
+  EXPECT_NEAR(heading_deg(*fix), 90, 1e-9);
+  EXPECT_EQ(report.details["clock"], "5.0 s behind the host's");
+  EXPECT_FALSE(hear("GPRMC,115958.00,A,4807.0380,N,01131.0000,E,0,0,010124,,,A", 3)) << "the same time again";
+  EXPECT_FALSE(decoder.event(sentence_of("$SDDPT,4.5,0.5,100*00"), noon)) << "a wrong checksum";
+  EXPECT_EQ(report.rejected["sentence with a wrong checksum"], 1u);
 }
 
 }  // namespace

@@ -124,6 +124,14 @@ PingBytes ping360_line_bytes(const Ping360Settings& s, int angle_grad, bool swee
   return ping_bytes(ping_message::kAutoDeviceData, kHead, kHost, out.bytes());
 }
 
+PingBytes ping_device_information(PingDeviceType type) {
+  constexpr std::uint8_t kRevision = 1, kFirmware = 3;
+  Payload out;
+  out.put(static_cast<std::uint8_t>(type)).put(kRevision).put(kFirmware).put(std::uint8_t{0}).put(std::uint16_t{0});
+  return ping_bytes(ping_message::kDeviceInformation, type == PingDeviceType::kPing360 ? kHead : kSounder, kHost,
+                    out.bytes());
+}
+
 PingBytes ping1d_distance_bytes(double range_m, int confidence_percent, double longest_m) {
   constexpr std::uint16_t kPulse = 100;
   Payload out;

@@ -47,6 +47,8 @@ std::optional<Ping360Request> ping360_request(const PingFrame& frame);
 
 /// A line as a head that sweeps by itself sends it.
 PingBytes ping360_line_bytes(const Ping360Settings& settings, int angle_grad, bool sweeps, Bytes samples);
+/// What a device is.
+PingBytes ping_device_information(PingDeviceType type);
 /// A distance of a Ping1D; confidence 0: no target.
 PingBytes ping1d_distance_bytes(double range_m, int confidence_percent, double longest_m);
 

@@ -9,8 +9,6 @@ constexpr std::size_t kFrameOverhead = 14;  // around the payload
 constexpr std::size_t kPayload = 13;        // offset of the payload
 constexpr std::size_t kLengthsEnd = 7;      // offset after both lengths
 constexpr std::uint16_t kMinLength = 8;     // L of an empty payload
-constexpr std::uint8_t kAlive = 4;
-constexpr std::uint8_t kVersionData = 1;
 constexpr std::uint8_t kSinglePacket = 0x80;
 
 /// The value of four upper-case hexadecimal digits; -1 for anything else.
@@ -29,8 +27,8 @@ int hex_length(Bytes digits) {
 bool length_fits(Bytes frame) {
   const auto id = std::to_integer<std::uint8_t>(frame[10]);
   const bool single = std::to_integer<std::uint8_t>(frame[11]) == kSinglePacket;
-  if (id == kAlive) return frame.size() == 22;
-  if (id == kVersionData) return frame.size() == 25;
+  if (id == tritech::kAlive) return frame.size() == 22;
+  if (id == tritech::kVersionData) return frame.size() == 25;
   if (id == tritech::kHeadData && single)
     return ByteCursor(frame, kPayload).little<std::uint16_t>() + kFrameOverhead == frame.size();
   return true;

@@ -23,8 +23,15 @@ struct TritechFrame {
 TritechFrame tritech_frame(Bytes frame);
 
 namespace tritech {
+constexpr std::uint8_t kVersionData = 1;
 constexpr std::uint8_t kHeadData = 2;
+constexpr std::uint8_t kAlive = 4;
+constexpr std::uint8_t kReboot = 16;
+constexpr std::uint8_t kHeadCommand = 19;
+constexpr std::uint8_t kSendVersion = 23;
+constexpr std::uint8_t kSendData = 25;
 constexpr std::uint8_t kImagingNode = 2;
+constexpr int kMaxBins = 1500;
 
 /// The range in the label RangeScale: 14 bits of tenths, 2 bits of unit (metre, foot, fathom, yard).
 double range_scale_m(std::uint16_t range_scale);
