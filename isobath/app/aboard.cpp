@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <fstream>
@@ -167,6 +169,9 @@ int aboard(AboardCommand& options) {
   const VehicleFile file = load_vehicle_file(request.input.string());
   const VehicleParameters vehicle = parameters_of(control_vehicle(file.model));
   listen_for_interrupt();
+  // The clock of stand-ins that run n times as fast leaves an agent a n-th of the time for its turn.
+  int& missed_ticks = request.configuration.executor.missed_ticks;
+  missed_ticks = static_cast<int>(std::lround(missed_ticks * std::max(1.0, options.speed)));
   VehicleLinks links(file, options.speed);
   links.start();
   if (!wait_for_autopilot(options, links)) return kSuccess;

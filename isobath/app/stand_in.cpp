@@ -79,7 +79,9 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
          {"oldest_s", counts.oldest_s},
          {"longest_gap_s", counts.longest_gap_s},
          {"rings", counts.rings},
+         {"points", counts.points},
          {"texts", counts.texts},
+         {"moved_m", counts.moved_m},
          {"pulled", pulled}});
   }
   fmt::print("{:.1f} s simulated; the vehicle went {:.1f} m; {}; least clearance {:.2f} m\n", stand_ins.now_s(),
@@ -87,7 +89,8 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
              truth.min_clearance_m);
   fmt::print("the autopilot followed {} set-points, the oldest {:.3f} s old, at most {:.3f} s apart; refused {}\n",
              counts.setpoints, counts.oldest_s, counts.longest_gap_s, counts.refused);
-  fmt::print("it heard {} rings of obstacles and {} texts\n", counts.rings, counts.texts);
+  fmt::print("it heard {} rings and {} points of obstacles, and {} texts\n", counts.rings, counts.points, counts.texts);
+  if (counts.moved_m > 0) fmt::print("a DVL measured {:.1f} m of motion\n", counts.moved_m);
   if (pulled > 0) fmt::print("cables were pulled {} times\n", pulled);
 }
 

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/links/autopilot_link.hpp>
+#include <utility>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -37,7 +40,13 @@ std::vector<Field> fields(AutopilotLinkConfig& c) {
       Field::integer("system", &c.system, {0, 255}, "", "MAVLink system of the vehicle; 0: the first that is heard."),
       Field::real("rate_hz", &c.rate_hz, {1, 50}, "Hz", "Rate of attitude and position that are asked for."),
       Field::real("depth_gain", &c.depth_gain, {0.05, 5}, "1/s", "Velocity down for a metre of depth error."),
-      Field::real("max_dive_rate", &c.max_dive_rate, {0.05, 2}, "m/s", "Largest velocity up or down.")};
+      Field::real("max_dive_rate", &c.max_dive_rate, {0.05, 2}, "m/s", "Largest velocity up or down."),
+      Field::flag("dvl_motion", &c.dvl_motion,
+                  "Whether the motion that a DVL measures is sent as VISION_POSITION_DELTA, for the navigation of the "
+                  "autopilot (VISO_TYPE 1)."),
+      Field::flag("obstacle_points", &c.obstacle_points,
+                  "Whether obstacles are sent as points (OBSTACLE_DISTANCE_3D) and not as distances around the vehicle "
+                  "(OBSTACLE_DISTANCE).")};
 }
 
 AutopilotLink::AutopilotLink(const AutopilotLinkConfig& config, LinkSource& events)
@@ -250,6 +259,47 @@ void AutopilotLink::say(int severity, const std::string& text) {
 
 void AutopilotLink::show(const ObstacleDistance& ring) {
   hub_->post([this, body = ring.body()] { send(ObstacleDistance::kId, body); });
+}
+
+void AutopilotLink::show(std::span<const ObstacleDistance3d> points) {
+  std::uint32_t boot_ms = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (boot_) boot_ms = milliseconds(hub_->now().time_since_epoch() + *boot_);
+  }
+  std::vector<PayloadBytes> bodies;
+  for (ObstacleDistance3d point : points) {
+    point.boot_ms = boot_ms;
+    bodies.push_back(point.body());
+  }
+  hub_->post([this, bodies = std::move(bodies)] {
+    for (const PayloadBytes& body : bodies) send(ObstacleDistance3d::kId, body);
+  });
+}
+
+void AutopilotLink::show_motion(const BodyMotion& motion) {
+  constexpr double kUseless = 0.4;  // m/s: standard deviation of no confidence at all
+  VisionDelta delta;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!fix_ || authority_at(motion.time) == Authority::kNoAutopilot) return;
+    const Rotation R_WB = fix_->X_WB.rotation;
+    const std::optional<Moved> last = std::exchange(moved_, Moved{motion.time, R_WB});
+    if (!last || motion.time <= last->time || motion.time - last->time > kMotionGap) return;
+    const Eigen::AngleAxisd turned((last->R_WB.inverse() * R_WB).quaternion());
+    const double dt_s = to_seconds(motion.time - last->time);
+    for (int i = 0; i < 3; ++i) {
+      delta.turned[i] = static_cast<float>(turned.angle() * turned.axis()[i]);
+      delta.moved[i] = static_cast<float>(dt_s * motion.v_B[i]);
+    }
+    const auto microseconds = [](Duration d) {
+      return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(d).count());
+    };
+    delta.time_us = microseconds(motion.time.time_since_epoch());
+    delta.since_us = microseconds(motion.time - last->time);
+    delta.confidence = static_cast<float>(100 * (1 - std::min(1.0, motion.sigma / kUseless)));
+  }
+  send(VisionDelta::kId, delta.body());
 }
 
 void AutopilotLink::show_value(const std::string& name, double value) {

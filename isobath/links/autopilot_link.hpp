@@ -6,7 +6,8 @@
 // the charge; none comes while the autopilot has been silent for 3 s, which the fault table notices.
 //
 // Out: HEARTBEAT and TIMESYNC, SET_MESSAGE_INTERVAL for what is needed, SET_POSITION_TARGET_LOCAL_NED (velocity and
-// yaw) with each set-point, at most every 50 ms, OBSTACLE_DISTANCE, STATUSTEXT, NAMED_VALUE_FLOAT. A set-point carries
+// yaw) with each set-point, at most every 50 ms, OBSTACLE_DISTANCE or _3D, STATUSTEXT, NAMED_VALUE_FLOAT, and, with
+// `dvl_motion`, VISION_POSITION_DELTA. A set-point carries
 // the time of the event that it answers, in the autopilot's own time.
 //
 // Authority: set-points go out only while the autopilot is armed and in GUIDED. This class never arms
@@ -19,6 +20,7 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/io/bytes/framing.hpp>
 #include <isobath/io/formats/mavlink/mavlink_vehicle.hpp>
+#include <isobath/links/device_link.hpp>
 #include <isobath/links/link_hub.hpp>
 #include <isobath/links/link_source.hpp>
 #include <isobath/links/mission_download.hpp>
@@ -26,6 +28,7 @@
 #include <isobath/vehicle/vehicle_parameters.hpp>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace isobath {
@@ -36,6 +39,8 @@ struct AutopilotLinkConfig {
   double rate_hz = 10;         ///< of the attitude and position that are asked for
   double depth_gain = 0.5;     ///< 1/s
   double max_dive_rate = 0.4;  ///< m/s, up and down
+  bool dvl_motion = false;     ///< whether the motion that a DVL measures is sent
+  bool obstacle_points = false;  ///< as points in the body, not as a ring of distances
 };
 std::vector<Field> fields(AutopilotLinkConfig& config);
 
@@ -45,6 +50,7 @@ enum class Authority : std::uint8_t { kNoAutopilot, kDisarmed, kOtherMode, kOurs
 class AutopilotLink final : public ByteReceiver {
  public:
   static constexpr Duration kSilence = std::chrono::seconds(3);
+  static constexpr Duration kMotionGap = std::chrono::seconds(1);
   static constexpr Duration kSetpointInterval = std::chrono::milliseconds(50);
 
   AutopilotLink(const AutopilotLinkConfig& config, LinkSource& events);
@@ -76,6 +82,11 @@ class AutopilotLink final : public ByteReceiver {
   bool command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers);
   void say(int severity, const std::string& text);
   void show(const mavlink::ObstacleDistance& ring);
+  /// Obstacles of one instant.
+  void show(std::span<const mavlink::ObstacleDistance3d> points);
+  /// How a DVL has moved since the last call (VISION_POSITION_DELTA), for the autopilot's own navigation; how it has
+  /// turned is the autopilot's attitude. Nothing is sent after a gap of more than kMotionGap. In the thread of the links.
+  void show_motion(const BodyMotion& motion);
   void show_value(const std::string& name, double value);
   struct Counts {
     std::uint64_t setpoints = 0, withheld = 0;  ///< sent; not sent
@@ -118,6 +129,11 @@ class AutopilotLink final : public ByteReceiver {
   std::optional<Navigation> fix_;
   std::optional<Duration> boot_;  ///< what to add to host time for the autopilot's time since it booted
   Time beat_{}, sync_{}, health_{}, asked_{}, setpoint_{};
+  struct Moved {
+    Time time;
+    Rotation R_WB;
+  };
+  std::optional<Moved> moved_;  ///< when the DVL's motion was last sent
   Authority told_ = Authority::kNoAutopilot;
   Counts counts_;
 };

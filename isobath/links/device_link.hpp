@@ -15,6 +15,8 @@
 #pragma once
 
 #include <atomic>
+#include <Eigen/Core>
+#include <functional>
 #include <isobath/io/bytes/framing.hpp>
 #include <isobath/links/device_config.hpp>
 #include <isobath/links/link_hub.hpp>
@@ -23,6 +25,13 @@
 #include <memory>
 
 namespace isobath {
+
+/// The velocity of a sensor over the bottom, in the body (forward, starboard, down).
+struct BodyMotion {
+  Time time;
+  Eigen::Vector3d v_B;  ///< m/s
+  double sigma = 0;     ///< m/s, as the sensor states it
+};
 
 class DeviceLink : public ByteReceiver {
  public:
@@ -37,6 +46,9 @@ class DeviceLink : public ByteReceiver {
   }
   /// How it is to look from now on; a device that cannot be commanded ignores it.
   virtual void command(const ScanCommand& /*command*/) {}
+
+  /// `take` gets each velocity that the device measures, in the thread of the links; most devices measure none.
+  virtual void report_motion_to(std::function<void(const BodyMotion&)> /*take*/) {}
 
   void on_open(Time time) override;
   void on_closed(Time time, const std::string& why) override;

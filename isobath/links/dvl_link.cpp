@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 #include <isobath/io/bytes/line_stream.hpp>
 #include <isobath/io/input/scanning_head.hpp>
 #include <isobath/io/input/survey_input.hpp>
@@ -30,6 +31,7 @@ bool flag(const Json& report, const char* key) {
 class DvlLink final : public DeviceLink {
  public:
   using DeviceLink::DeviceLink;
+  void report_motion_to(std::function<void(const BodyMotion&)> take) override { take_motion_ = std::move(take); }
 
   void on_bytes(Bytes bytes, Time time) override {
     const std::uint64_t dropped = lines_.push(bytes, [&](std::string_view line) { on_line(line, time); });
@@ -49,7 +51,15 @@ class DvlLink final : public DeviceLink {
     if (*type == "velocity") on_velocity(report, time);
     if (*type == "position_local" && config_.navigation) on_position(report, time);
   }
+  void tell_motion(const Json& report, Time time) {
+    const Eigen::Vector3d v_S(number(report, "vx"), number(report, "vy"), number(report, "vz"));
+    if (!take_motion_ || !flag(report, "velocity_valid") || !v_S.allFinite()) return;
+    const Rotation R_BS = Rotation::from_heading_pitch_roll(config_.heading, config_.pitch, config_.roll);
+    const double sigma = number(report, "fom");
+    take_motion_({time, R_BS * v_S, std::isfinite(sigma) && sigma >= 0 ? sigma : kSigma});
+  }
   void on_velocity(const Json& report, Time time) {
+    tell_motion(report, time);
     const double altitude = number(report, "altitude");
     RangeReading reading;
     reading.time = time;
@@ -89,8 +99,10 @@ class DvlLink final : public DeviceLink {
     give(fix, time);
   }
 
+  static constexpr double kSigma = 0.1;  // m/s: of a report that states none
   static constexpr double kTilt = 0.02;  // rad: of its attitude, estimated
   SourceReport report_;
+  std::function<void(const BodyMotion&)> take_motion_;
   LineStream lines_{kLongestLine};
   Time told_{};
 };

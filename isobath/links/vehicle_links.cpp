@@ -11,6 +11,8 @@ VehicleLinks::VehicleLinks(VehicleFile file, double speed)
   for (const DeviceConfig& config : file_.devices) {
     DeviceLink& device = *devices_.emplace_back(make_device_link(config, source_));
     if (config.navigation) autopilot_.leave_navigation_to_device();
+    if (file_.autopilot.dvl_motion)
+      device.report_motion_to([this](const BodyMotion& motion) { autopilot_.show_motion(motion); });
     device.use(hub_, hub_.add(link_address_of(config.link, "link"), device));
   }
 }

@@ -14,6 +14,22 @@ std::uint16_t centimetres(double metres) {
   return static_cast<std::uint16_t>(std::clamp(std::lround(metres * 100), 0L, 65000L));
 }
 
+/// The ring's obstacles as points at the vehicle's depth.
+std::vector<mavlink::ObstacleDistance3d> points_of(const mavlink::ObstacleDistance& ring) {
+  std::vector<mavlink::ObstacleDistance3d> points;
+  for (std::size_t i = 0; i < ring.cm.size(); ++i) {
+    if (ring.cm[i] > ring.max_cm) continue;  // nothing there, or unknown
+    const Angle bearing = Angle::degrees(5.0 * static_cast<double>(i));
+    const double range_m = ring.cm[i] / 100.0;
+    points.push_back({.x = static_cast<float>(range_m * cos(bearing)),
+                      .y = static_cast<float>(range_m * sin(bearing)),
+                      .min_m = ring.min_cm / 100.0F,
+                      .max_m = ring.max_cm / 100.0F,
+                      .number = static_cast<std::uint16_t>(i)});
+  }
+  return points;
+}
+
 }  // namespace
 
 void Aboard::on_event(const Event& event) {
@@ -136,7 +152,11 @@ void Aboard::show_surroundings(const Navigation& fix, Time now) {
     cm = seen ? std::min(cm, here) : here;
     nearest = std::min(nearest, away.norm());
   }
-  links_.autopilot().show(ring);
+  if (links_.file().autopilot.obstacle_points) {
+    links_.autopilot().show(points_of(ring));
+  } else {
+    links_.autopilot().show(ring);
+  }
   links_.autopilot().show_value("nearest", nearest);
 }
 

@@ -67,6 +67,12 @@ void AutopilotStandIn::on_frame(const MavlinkFrame& frame, Time now) {
     }
     case VelocityTarget::kId: return on_target(VelocityTarget::of(p), now);
     case ObstacleDistance::kId: ++counts_.rings; return;
+    case ObstacleDistance3d::kId: ++counts_.points; return;
+    case VisionDelta::kId: {
+      const VisionDelta delta = VisionDelta::of(p);
+      counts_.moved_m += std::hypot(delta.moved[0], delta.moved[1], delta.moved[2]);
+      return;
+    }
     case StatusText::kId:
       ++counts_.texts;
       counts_.last_text = StatusText::of(p).text;

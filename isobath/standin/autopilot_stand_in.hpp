@@ -33,7 +33,8 @@ struct AutopilotCounts {
   std::uint64_t refused = 0;    ///< that came without authority, or of another form
   double oldest_s = 0;          ///< of those it followed: age of the event that it answers, on arrival
   double longest_gap_s = 0;     ///< between two of them, while it was in GUIDED and armed, after the first
-  std::uint64_t rings = 0, texts = 0;
+  std::uint64_t rings = 0, points = 0, texts = 0;  ///< OBSTACLE_DISTANCE, OBSTACLE_DISTANCE_3D, STATUSTEXT
+  double moved_m = 0;                              ///< length of the motions that a DVL was said to have measured
   std::string last_text;
   int pulled = 0;  ///< how often its cable was pulled
 };

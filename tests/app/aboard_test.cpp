@@ -40,7 +40,8 @@ std::vector<json> lines_of(const fs::path& file) {
 }
 
 /// Starts the stand-ins at free ports, then `isobath aboard` with a vehicle file that names them.
-Joined join(const fs::path& folder, const std::string& stand_in, const std::string& aboard) {
+Joined join(const fs::path& folder, const std::string& stand_in, const std::string& aboard,
+            const std::string& autopilot = "") {
   write(folder / "scene.toml", short_scene());
   // On a machine that does much else, a thread that waits is no agent that hangs.
   write(folder / "ping360.toml",
@@ -48,12 +49,13 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
   const std::string script = R"(
     cd "$1"
     timeout 120 "$0" stand-in scene.toml --json --speed 2 --autopilot udp-server:0 --device ping360=udp-server:0 \
-      --device ping1d=udp-server:0 )" +
+      --device ping1d=udp-server:0 --device dvl-a50=tcp-server:0 )" +
                              stand_in + R"( > stand_in.jsonl & stand_in=$!
     until [ -s stand_in.jsonl ] || ! kill -0 $stand_in 2> /dev/null; do sleep 0.05; done
     port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
-    printf '[autopilot]\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n' \
-      $(port autopilot) $(port ping360) $(port ping1d) > vehicle.toml
+    printf '[autopilot]\nlink = "udp:127.0.0.1:%s"\ndvl_motion = true\n)" +
+                             autopilot + R"([[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "dvl-a50"\nlink = "tcp:127.0.0.1:%s"\n' \
+      $(port autopilot) $(port ping360) $(port ping1d) $(port dvl-a50) > vehicle.toml
     timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config ping360.toml )" +
                              aboard + R"( > aboard.jsonl
     code=$?
@@ -81,6 +83,7 @@ TEST(Aboard, SailsTheMissionOfTheAutopilot) {
   EXPECT_GT(joined.stand_in[1]["length_m"], 20);
   EXPECT_GT(joined.stand_in[1]["setpoints"], 50);
   EXPECT_GT(joined.stand_in[1]["rings"], 10);
+  EXPECT_NEAR(joined.stand_in[1]["moved_m"], joined.stand_in[1]["length_m"], 3) << "the DVL heard a second or two later";
   EXPECT_TRUE(fs::exists(folder / "out/autopilot.plan"));
   EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
   const ProgramResult again = isobath({"info", (folder / "out/recording.mcap").string()});
@@ -88,11 +91,13 @@ TEST(Aboard, SailsTheMissionOfTheAutopilot) {
 }
 
 TEST(Aboard, CommandsNothingInADryRun) {
-  const Joined joined = join(scratch_folder(), "--guided-after 0", "--dry-run & sleep 12; kill -INT $!; wait $!; true");
+  const Joined joined = join(scratch_folder(), "--guided-after 0", "--dry-run & sleep 12; kill -INT $!; wait $!; true",
+                             "obstacle_points = true\\n");
   ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
   EXPECT_EQ(joined.stand_in[1]["setpoints"], 0);
   EXPECT_EQ(joined.stand_in[1]["refused"], 0);
   EXPECT_LT(joined.stand_in[1]["length_m"], 2);
+  EXPECT_EQ(joined.stand_in[1]["rings"], 0);
 }
 
 TEST(Aboard, SaysWhatIsWrongWithAVehicleFile) {

@@ -185,4 +185,19 @@ PayloadBytes ObstacleDistance3d::body() const {
       .take();
 }
 
+PayloadBytes VisionDelta::body() const {
+  RecordWriter out(44);
+  out.put(0, time_us).put(8, since_us).put(40, confidence);
+  for (std::size_t i = 0; i < 3; ++i) out.put(16 + 4 * i, turned[i]).put(28 + 4 * i, moved[i]);
+  return out.take();
+}
+VisionDelta VisionDelta::of(const MavlinkPayload& p) {
+  VisionDelta d{.time_us = p.at<std::uint64_t>(0), .since_us = p.at<std::uint64_t>(8), .confidence = p.at<float>(40)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    d.turned[i] = p.at<float>(16 + 4 * i);
+    d.moved[i] = p.at<float>(28 + 4 * i);
+  }
+  return d;
+}
+
 }  // namespace isobath::mavlink

@@ -190,6 +190,15 @@ struct ObstacleDistance {
   static ObstacleDistance of(const MavlinkPayload& p);
 };
 
+struct VisionDelta {  // VISION_POSITION_DELTA
+  static constexpr std::uint32_t kId = 11011;
+  std::uint64_t time_us = 0, since_us = 0;            ///< since the last such message
+  float turned[3] = {}, moved[3] = {};                ///< rad and m, in the body (forward, starboard, down) of then
+  float confidence = 0;                               ///< percent
+  [[nodiscard]] PayloadBytes body() const;
+  static VisionDelta of(const MavlinkPayload& p);
+};
+
 struct ObstacleDistance3d {
   static constexpr std::uint32_t kId = 11037;
   std::uint32_t boot_ms = 0;  ///< obstacles of one set have the same
