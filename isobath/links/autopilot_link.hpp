@@ -35,11 +35,11 @@ namespace isobath {
 
 struct AutopilotLinkConfig {
   std::string link = "udp-server:14550";
-  int system = 0;              ///< of the vehicle; 0: the first that is heard
-  double rate_hz = 10;         ///< of the attitude and position that are asked for
-  double depth_gain = 0.5;     ///< 1/s
-  double max_dive_rate = 0.4;  ///< m/s, up and down
-  bool dvl_motion = false;     ///< whether the motion that a DVL measures is sent
+  int system = 0;                ///< of the vehicle; 0: the first that is heard
+  double rate_hz = 10;           ///< of the attitude and position that are asked for
+  double depth_gain = 0.5;       ///< 1/s
+  double max_dive_rate = 0.4;    ///< m/s, up and down
+  bool dvl_motion = false;       ///< whether the motion that a DVL measures is sent
   bool obstacle_points = false;  ///< as points in the body, not as a ring of distances
 };
 std::vector<Field> fields(AutopilotLinkConfig& config);
@@ -85,7 +85,8 @@ class AutopilotLink final : public ByteReceiver {
   /// Obstacles of one instant.
   void show(std::span<const mavlink::ObstacleDistance3d> points);
   /// How a DVL has moved since the last call (VISION_POSITION_DELTA), for the autopilot's own navigation; how it has
-  /// turned is the autopilot's attitude. Nothing is sent after a gap of more than kMotionGap. In the thread of the links.
+  /// turned is the autopilot's attitude. Nothing is sent after a gap of more than kMotionGap. In the thread of the
+  /// links.
   void show_motion(const BodyMotion& motion);
   void show_value(const std::string& name, double value);
   struct Counts {

@@ -7,8 +7,8 @@
 //
 // To the autopilot go the set-point of the helm after each event, the obstacles of the last scan four times a second
 // (OBSTACLE_DISTANCE: nearest obstacle in each 5 degrees from the bow; a direction in which the grid holds cells that
-// were not looked at is unknown, not clear; or OBSTACLE_DISTANCE_3D), each decision of the agents as STATUSTEXT, at most one a second, and the
-// least distance to an obstacle as the value "nearest".
+// were not looked at is unknown, not clear; or OBSTACLE_DISTANCE_3D), each decision of the agents as STATUSTEXT, at
+// most one a second, and the least distance to an obstacle as the value "nearest".
 //
 // The latency of a ping is the time from its last byte until the first set-point that goes out after it has been
 // mapped. on_ping, on_scan and on_mapped belong to the mapping thread, all else to the source thread.

@@ -46,18 +46,20 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
   // On a machine that does much else, a thread that waits is no agent that hangs.
   write(folder / "ping360.toml",
         content_of(source_folder() / "examples/aboard/ping360.toml") + "[executor]\nmissed_ticks = 100\n");
-  const std::string script = R"(
+  const std::string script =
+      R"(
     cd "$1"
     timeout 120 "$0" stand-in scene.toml --json --speed 2 --autopilot udp-server:0 --device ping360=udp-server:0 \
       --device ping1d=udp-server:0 --device dvl-a50=tcp-server:0 )" +
-                             stand_in + R"( > stand_in.jsonl & stand_in=$!
+      stand_in + R"( > stand_in.jsonl & stand_in=$!
     until [ -s stand_in.jsonl ] || ! kill -0 $stand_in 2> /dev/null; do sleep 0.05; done
     port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
     printf '[autopilot]\nlink = "udp:127.0.0.1:%s"\ndvl_motion = true\n)" +
-                             autopilot + R"([[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "dvl-a50"\nlink = "tcp:127.0.0.1:%s"\n' \
+      autopilot +
+      R"([[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "dvl-a50"\nlink = "tcp:127.0.0.1:%s"\n' \
       $(port autopilot) $(port ping360) $(port ping1d) $(port dvl-a50) > vehicle.toml
     timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config ping360.toml )" +
-                             aboard + R"( > aboard.jsonl
+      aboard + R"( > aboard.jsonl
     code=$?
     kill -INT $stand_in; wait $stand_in
     exit $code)";
@@ -83,7 +85,8 @@ TEST(Aboard, SailsTheMissionOfTheAutopilot) {
   EXPECT_GT(joined.stand_in[1]["length_m"], 20);
   EXPECT_GT(joined.stand_in[1]["setpoints"], 50);
   EXPECT_GT(joined.stand_in[1]["rings"], 10);
-  EXPECT_NEAR(joined.stand_in[1]["moved_m"], joined.stand_in[1]["length_m"], 3) << "the DVL heard a second or two later";
+  EXPECT_NEAR(joined.stand_in[1]["moved_m"], joined.stand_in[1]["length_m"], 3)
+      << "the DVL heard a second or two later";
   EXPECT_TRUE(fs::exists(folder / "out/autopilot.plan"));
   EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
   const ProgramResult again = isobath({"info", (folder / "out/recording.mcap").string()});

@@ -140,10 +140,10 @@ TEST(TelemetryLog, PositionOnTheGlobeTiesTheLocalPlane) {
 /// ODOMETRY: a place, a heading (rad), a velocity forward; frames local north-east-down and body.
 std::string odometry(float x, float y, float z, float heading, float forward, char frame = 1) {
   const std::string covariance(std::size_t{2} * 21 * 4, '\0');
-  return frame_of(331, packed<std::uint64_t>({0}) +
-                           packed<float>({x, y, z, std::cos(heading / 2), 0, 0, std::sin(heading / 2), forward, 0, 0, 0,
-                                          0, 0}) +
-                           covariance + frame + '\x0C');
+  return frame_of(
+      331, packed<std::uint64_t>({0}) +
+               packed<float>({x, y, z, std::cos(heading / 2), 0, 0, std::sin(heading / 2), forward, 0, 0, 0, 0, 0}) +
+               covariance + frame + '\x0C');
 }
 
 TEST(TelemetryLog, OdometryIsTheNavigationWhereNoOtherMessageStatesAPosition) {
@@ -157,8 +157,8 @@ TEST(TelemetryLog, OdometryIsTheNavigationWhereNoOtherMessageStatesAPosition) {
   ASSERT_TRUE(fix.v_WB);
   EXPECT_NEAR((*fix.v_WB - Eigen::Vector3d(2 * std::cos(1.5), 2 * std::sin(1.5), 0)).norm(), 0, 1e-6);
   EXPECT_EQ(source->report().rejected.at("odometry in other frames than local north-east-down and body"), 1u);
-  const auto both = opened(stamped(0, odometry(10, 20, 3, 1, 2)) + stamped(0.1, local_position(100, 0, 4)) +
-                           stamped(0.2, kAttitude));
+  const auto both =
+      opened(stamped(0, odometry(10, 20, 3, 1, 2)) + stamped(0.1, local_position(100, 0, 4)) + stamped(0.2, kAttitude));
   EXPECT_EQ(std::get<Navigation>(drain(*both).at(0)).X_WB.translation.x(), 100);
 }
 

@@ -192,9 +192,9 @@ struct ObstacleDistance {
 
 struct VisionDelta {  // VISION_POSITION_DELTA
   static constexpr std::uint32_t kId = 11011;
-  std::uint64_t time_us = 0, since_us = 0;            ///< since the last such message
-  float turned[3] = {}, moved[3] = {};                ///< rad and m, in the body (forward, starboard, down) of then
-  float confidence = 0;                               ///< percent
+  std::uint64_t time_us = 0, since_us = 0;  ///< since the last such message
+  float turned[3] = {}, moved[3] = {};      ///< rad and m, in the body (forward, starboard, down) of then
+  float confidence = 0;                     ///< percent
   [[nodiscard]] PayloadBytes body() const;
   static VisionDelta of(const MavlinkPayload& p);
 };
