@@ -134,9 +134,9 @@ struct LogInput {
       sink.set_origin(*source->report().origin);
       place_known = true;
     };
-    tell_place();
     ProgressLine progress;
     while (const auto event = source->next()) {
+      tell_place();  // many inputs state it after their start
       if (sink.write(*event)) ++events;
       progress.show(source->report().bytes_read, source->report().bytes_total, events);
     }

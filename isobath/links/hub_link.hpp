@@ -7,7 +7,9 @@
 #include <atomic>
 #include <boost/asio.hpp>
 #include <deque>
-#include <isobath/links/link_hub.hpp>
+#include <isobath/base/time.hpp>
+#include <isobath/links/byte_link.hpp>
+#include <isobath/links/link_address.hpp>
 #include <memory>
 #include <optional>
 #include <string>

@@ -4,6 +4,7 @@
 #include <isobath/io/formats/oculus/oculus_commands.hpp>
 #include <isobath/io/formats/oculus/oculus_protocol.hpp>
 #include <isobath/io/formats/ping/ping_commands.hpp>
+#include <isobath/standin/device_stand_ins.hpp>
 #include <isobath/standin/framed_stand_in.hpp>
 
 namespace isobath {

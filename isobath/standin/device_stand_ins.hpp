@@ -13,45 +13,14 @@
 // on_bytes comes from the thread of the links, on_event from the simulator's.
 #pragma once
 
-#include <isobath/event/event.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/links/device_config.hpp>
-#include <isobath/sonar/scan_command.hpp>
-#include <isobath/standin/stand_in_link.hpp>
+#include <isobath/standin/device_stand_in.hpp>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace isobath {
-
-class DeviceStandIn : public ByteReceiver {
- public:
-  DeviceStandIn(DeviceKind kind, const UnplugConfig& unplug, std::uint64_t stream)
-      : kind_(kind), link_(unplug, stream) {}
-  void use(LinkHub& hub, ByteLink& link) {
-    hub_ = &hub;
-    link_.use(link);
-  }
-  /// What the simulated vehicle measures.
-  virtual void on_event(const Event& event, Time now) = 0;
-  /// How the simulated sonar is to look, if a host has commanded it since the last call.
-  [[nodiscard]] virtual std::optional<ScanCommand> take_command() { return std::nullopt; }
-  [[nodiscard]] DeviceKind kind() const { return kind_; }
-  [[nodiscard]] int port() const { return link_.port(); }
-  [[nodiscard]] int pulled() const { return link_.pulled(); }
-
- protected:
-  /// From any thread.
-  void send(std::vector<std::byte> bytes, Time now) {
-    hub_->post([this, now, bytes = std::move(bytes)]() mutable { link_.send(std::move(bytes), now); });
-  }
-
- private:
-  DeviceKind kind_;
-  LinkHub* hub_ = nullptr;
-  StandInLink link_;
-};
 
 /// Says once a second where the sonar of an Oculus stand-in is.
 class OculusBeacon final : public ByteReceiver {

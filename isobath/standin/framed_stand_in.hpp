@@ -2,7 +2,7 @@
 #pragma once
 
 #include <isobath/io/bytes/framing.hpp>
-#include <isobath/standin/device_stand_ins.hpp>
+#include <isobath/standin/device_stand_in.hpp>
 #include <mutex>
 #include <optional>
 #include <utility>

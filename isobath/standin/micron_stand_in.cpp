@@ -1,5 +1,6 @@
 #include <cmath>
 #include <isobath/io/formats/tritech/tritech_commands.hpp>
+#include <isobath/standin/device_stand_ins.hpp>
 #include <isobath/standin/framed_stand_in.hpp>
 
 namespace isobath {

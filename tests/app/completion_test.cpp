@@ -21,7 +21,7 @@ std::map<std::string, std::set<std::string>> options_in_help() {
     const std::string name = (*i)[1], help = test::isobath({"help", name}).out;
     for (std::sregex_iterator o(help.begin(), help.end(), option); o != end; ++o) all[name].insert((*o)[1]);
   }
-  EXPECT_EQ(all.size(), 21u);
+  EXPECT_EQ(all.size(), 22u);
   return all;
 }
 

@@ -221,7 +221,9 @@ TEST(NmeaDecoder, GivesTheTimesOfArrivalOnALink) {
   NmeaDecoder decoder(config, report, NmeaDecoder::Times::kHost);
   const Time noon{std::chrono::hours(24 * 20000 + 12)};
   const auto hear = [&](const std::string& body, double s) {
-    return decoder.event(sentence_of(nmea_line(body)), noon + seconds(s));
+    std::string line = nmea_line(body);
+    line.resize(line.find('\n'));
+    return decoder.event(sentence_of(line), noon + seconds(s));
   };
   const auto early = hear("SDDPT,4.5,0.5,100", 1);
   ASSERT_TRUE(early) << "a depth needs no position";
