@@ -56,7 +56,7 @@ TEST(Setup, FindsDevicesChecksTheirMountingAndWritesAFileThatIsAccepted) {
   const fs::path folder = scratch_folder();
   const ProgramResult result = beside_stand_ins(folder, R"(
     setup --try udp:127.0.0.1:$(port ping360) --try udp:127.0.0.1:$(port ping1d) --yes --wall 40,12 --wall -100,8 \
-      --answer ping360.upside_down=true --answer ping360.position_m=0.25,0,-0.1 --answer vehicle.title=Ours &&
+      --answer ping360.upside_down=true --answer ping360.position_m=0.25,0,-0.1 --answer vehicle.title=Ours || kill -INT $stand_in
     timeout 60 "$0" aboard vehicle.toml --speed 4 --dry-run --no-page --json --out out > aboard.jsonl & aboard=$!
     until [ -s aboard.jsonl ] || ! kill -0 $aboard 2> /dev/null; do sleep 0.05; done
     sleep 2
