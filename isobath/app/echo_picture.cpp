@@ -15,8 +15,9 @@ std::vector<std::string> echo_picture(const EchoPanorama& echoes, int rows) {
     for (int column = 0; column < columns; ++column) {
       double strongest = 0;
       for (int i = 0; i < kSteps * kSteps; ++i) {
-        const double ahead = echoes.reach_m() - (row + (i / kSteps + 0.5) / kSteps) * row_m;
-        const double starboard = (column + (i % kSteps + 0.5) / kSteps) * column_m - echoes.reach_m();
+        const int down = i / kSteps, across = i % kSteps;
+        const double ahead = echoes.reach_m() - (row + (down + 0.5) / kSteps) * row_m;
+        const double starboard = (column + (across + 0.5) / kSteps) * column_m - echoes.reach_m();
         const double range = std::hypot(ahead, starboard);
         strongest = std::max(strongest, echoes.at(Angle::radians(std::atan2(starboard, ahead)), range));
       }

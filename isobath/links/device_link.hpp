@@ -48,7 +48,7 @@ class DeviceLink : public ByteReceiver {
   virtual void command(const ScanCommand& /*command*/) {}
 
   /// `take` gets each velocity that the device measures, in the thread of the links; most devices measure none.
-  virtual void report_motion_to(std::function<void(const BodyMotion&)> /*take*/) {}
+  virtual void report_motion_to(const std::function<void(const BodyMotion&)>& /*take*/) {}
 
   void on_open(Time time) override;
   void on_closed(Time time, const std::string& why) override;

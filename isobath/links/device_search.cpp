@@ -59,7 +59,7 @@ SearchResult search_devices(const std::vector<std::string>& links, double search
   for (const auto& probe : probes) {
     if (auto speaker = probe->speaker()) all.push_back(std::move(*speaker));
   }
-  std::ranges::stable_partition(all, [](const Speaker& s) { return !s.device; });
+  std::stable_partition(all.begin(), all.end(), [](const Speaker& s) { return !s.device; });
   for (const Speaker& speaker : all) {
     if (!answers_here(speaker, all)) result.speakers.push_back(speaker);
   }

@@ -31,7 +31,7 @@ bool flag(const Json& report, const char* key) {
 class DvlLink final : public DeviceLink {
  public:
   using DeviceLink::DeviceLink;
-  void report_motion_to(std::function<void(const BodyMotion&)> take) override { take_motion_ = std::move(take); }
+  void report_motion_to(const std::function<void(const BodyMotion&)>& take) override { take_motion_ = take; }
 
   void on_bytes(Bytes bytes, Time time) override {
     const std::uint64_t dropped = lines_.push(bytes, [&](std::string_view line) { on_line(line, time); });

@@ -67,7 +67,7 @@ class Ros2DatabaseWriter final : public RosRecorder {
     const Statement add = prepared(
         "INSERT INTO topics(id,name,type,serialization_format,offered_qos_profiles,type_description_hash) "
         "VALUES(?,?,?,'cdr',?,'')");
-    check(sqlite3_bind_int64(add.get(), 1, static_cast<sqlite3_int64>(topic + 1)) == SQLITE_OK);
+    check(sqlite3_bind_int64(add.get(), 1, static_cast<sqlite3_int64>(topic) + 1) == SQLITE_OK);
     bind(add, 2, t.name);
     bind(add, 3, ros2_type(t.type));
     bind(add, 4, qos_of(t));
@@ -81,7 +81,7 @@ class Ros2DatabaseWriter final : public RosRecorder {
   }
 
   void put(std::size_t topic, Time time, std::span<const std::uint8_t> message) override {
-    sqlite3_bind_int64(message_.get(), 1, static_cast<sqlite3_int64>(topic + 1));
+    sqlite3_bind_int64(message_.get(), 1, static_cast<sqlite3_int64>(topic) + 1);
     sqlite3_bind_int64(message_.get(), 2, time.time_since_epoch().count());
     sqlite3_bind_blob64(message_.get(), 3, message.data(), message.size(), SQLITE_STATIC);
     check(sqlite3_step(message_.get()) == SQLITE_DONE);
