@@ -157,6 +157,8 @@ ordered_json log_json(const ConvertOptions& options, const LogInput& log) {
   json["bytes"] = report.bytes_total;
   json["bytes_skipped"] = report.bytes_skipped;
   json["rejected"] = report.rejected;
+  json["topics"] = ordered_json::array();  // of a log of ROS, as the next two
+  json["records_only"] = json["left_out"] = ordered_json::object();
   return json;
 }
 
@@ -199,7 +201,6 @@ void print_ros_log(const ConvertOptions& options, const RosFile& kind, const Log
                    const RosLogWriter& writer) {
   if (options.json) {
     ordered_json json = log_json(options, log);
-    json["topics"] = ordered_json::array();
     for (const RecordedTopic& t : bag.topics()) {
       json["topics"].push_back({{"topic", t.name}, {"type", t.type}, {"messages", t.messages}});
     }
