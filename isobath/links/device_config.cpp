@@ -14,6 +14,15 @@ const char* to_text(DeviceKind kind) {
   return "";
 }
 
+void DeviceConfig::take(const ScanCommand& command, const DeviceConfig& configured) {
+  if (command.as_configured) *this = configured;
+  if (command.middle) middle = *command.middle;
+  if (command.heading) middle = (*command.heading - configured.heading).wrapped();
+  if (command.sector) sector = *command.sector;
+  if (command.step) step = *command.step;
+  if (command.range_m) range_m = *command.range_m;
+}
+
 InputConfig DeviceConfig::input() const {
   InputConfig input;
   input.sound_speed = sound_speed;

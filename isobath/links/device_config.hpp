@@ -1,9 +1,11 @@
 // DeviceConfig: one device of a vehicle file, [[device]]: what it is, where it is mounted, how it is to look.
 #pragma once
 
+#include <Eigen/Core>
 #include <isobath/base/angle.hpp>
 #include <isobath/base/config.hpp>
 #include <isobath/io/input/input_config.hpp>
+#include <isobath/sonar/scan_command.hpp>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,10 @@ struct DeviceConfig {
   [[nodiscard]] bool scans() const { return kind == DeviceKind::kPing360 || kind == DeviceKind::kMicron; }
   /// Whether it gives pings.
   [[nodiscard]] bool images() const { return scans() || kind == DeviceKind::kOculus; }
+  /// Of the origin of the device in the body.
+  [[nodiscard]] Eigen::Vector3d position() const { return {position_m[0], position_m[1], position_m[2]}; }
+  /// Looks as a command has it; what it leaves open stays. `configured`: as in the vehicle file.
+  void take(const ScanCommand& command, const DeviceConfig& configured);
   /// What the decoder of the device's messages needs.
   [[nodiscard]] InputConfig input() const;
 };

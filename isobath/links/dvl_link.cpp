@@ -66,7 +66,7 @@ class DvlLink final : public DeviceLink {
     reading.max_range_m = kRange_m;
     reading.width = kBeam;
     reading.X_BS = looking_down(0);
-    reading.X_BS.translation = {config_.position_m[0], config_.position_m[1], config_.position_m[2]};
+    reading.X_BS.translation = config_.position();
     if (std::isfinite(altitude) && altitude > 0 && altitude < kRange_m) reading.range_m = altitude;
     if (!flag(report, "velocity_valid") && !reading.range_m) return;  // in air, or beyond its range: no statement
     give(reading, time);

@@ -21,12 +21,7 @@ class MicronLink final : public DeviceLink {
 
   void command(const ScanCommand& command) override {
     hub_->post([this, command] {
-      if (command.as_configured) wanted_ = config_;
-      if (command.middle) wanted_.middle = *command.middle;
-      if (command.heading) wanted_.middle = (*command.heading - config_.heading).wrapped();
-      if (command.sector) wanted_.sector = *command.sector;
-      if (command.step) wanted_.step = *command.step;
-      if (command.range_m) wanted_.range_m = *command.range_m;
+      wanted_.take(command, config_);
       begin();
     });
   }
@@ -40,7 +35,7 @@ class MicronLink final : public DeviceLink {
       if (!event) continue;
       auto& ping = std::get<Ping>(*event);
       ping.time -= seconds(2 * ping.window.end_m() / ping.sound_speed);
-      ping.X_BS.translation = {config_.position_m[0], config_.position_m[1], config_.position_m[2]};
+      ping.X_BS.translation = config_.position();
       give(std::move(*event), time);
     }
     tell(report_);

@@ -36,7 +36,7 @@ class EchoPanorama {
   [[nodiscard]] std::optional<Echo> wall_at(double range_m) const;
 
  private:
-  /// Of the echoes around a cell.
+  /// The mean strength of a cell and its neighbours.
   [[nodiscard]] float mean(int bearing, int range) const;
 
   double reach_m_ = 0;

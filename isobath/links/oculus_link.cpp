@@ -32,7 +32,7 @@ class OculusLink final : public DeviceLink {
       if (auto* ping = std::get_if<Ping>(&*event)) {
         ping->time -= seconds(2 * ping->window.end_m() / ping->sound_speed);
         ping->X_BS = {Rotation::from_heading_pitch_roll(config_.heading, config_.pitch, config_.roll),
-                      {config_.position_m[0], config_.position_m[1], config_.position_m[2]}};
+                      config_.position()};
       }
       give(std::move(*event), time);
     }

@@ -45,7 +45,7 @@ class PingLink : public DeviceLink {
   virtual void on_line() {}
   [[nodiscard]] bool silent(Time now) const { return now - last_heard_.value_or(asked_) > kSilence; }
   [[nodiscard]] Pose at_its_place(Pose X_BS) const {
-    X_BS.translation = {config_.position_m[0], config_.position_m[1], config_.position_m[2]};
+    X_BS.translation = config_.position();
     return X_BS;
   }
 
@@ -63,12 +63,7 @@ class Ping360Link final : public PingLink {
 
   void command(const ScanCommand& command) override {
     hub_->post([this, command] {
-      if (command.as_configured) wanted_ = config_;
-      if (command.middle) wanted_.middle = *command.middle;
-      if (command.heading) wanted_.middle = (*command.heading - config_.heading).wrapped();
-      if (command.sector) wanted_.sector = *command.sector;
-      if (command.step) wanted_.step = *command.step;
-      if (command.range_m) wanted_.range_m = *command.range_m;
+      wanted_.take(command, config_);
       begin();
     });
   }

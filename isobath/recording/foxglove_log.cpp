@@ -78,7 +78,10 @@ bool FoxgloveLog::Turn::take(Time now, double interval_s) {
 
 /// Does not write empty messages.
 void FoxgloveLog::write(FoxgloveKind kind, const std::string& topic, Time time, const std::string& message) {
-  if (!message.empty()) write_(kind, topic, time, message);
+  if (message.empty()) return;
+  const auto [channel, is_new] = channels_.try_emplace(topic);
+  if (is_new) channel->second = to_.open(kind, topic);
+  to_.write(channel->second, time, message);
 }
 
 void FoxgloveLog::on_fix(const Navigation& fix) {

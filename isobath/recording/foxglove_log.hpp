@@ -13,7 +13,7 @@
 //
 // The configuration bounds the rates. All voxels are written at once, less often the more there are: 20 kB a second of
 // the run on average. An image has at most kMaxPixels a side; a pixel shows the loudest sample that it covers. Errors:
-// those of `write`. One thread at a time.
+// those of the channels. One thread at a time.
 #pragma once
 
 #include <functional>
@@ -36,10 +36,13 @@ class FoxgloveLog {
   static constexpr std::size_t kMaxPoints = 20'000;  ///< echoes in a message
   static constexpr std::size_t kMaxTrack = 512;      ///< points of the track; beyond, every other one is dropped
 
-  /// Takes a message for a topic; each topic has one kind.
-  using Writer = std::function<void(FoxgloveKind, const std::string& topic, Time, const std::string& message)>;
+  /// Where messages go. `open`: called once for each topic; returns the number of its channel.
+  struct Channels {
+    std::function<std::size_t(FoxgloveKind, const std::string& topic)> open;
+    std::function<void(std::size_t channel, Time, const std::string& message)> write;
+  };
 
-  FoxgloveLog(Writer write, const FoxgloveConfig& config) : write_(std::move(write)), config_(config) {}
+  FoxgloveLog(Channels to, const FoxgloveConfig& config) : to_(std::move(to)), config_(config) {}
 
   /// The geographic origin of W.
   void locate(const GeoOrigin& origin) { plane_.emplace(origin); }
@@ -74,8 +77,9 @@ class FoxgloveLog {
   void add_echoes(const PosedPing& posed);
   void add_image(const PosedPing& posed);
 
-  Writer write_;
+  Channels to_;
   FoxgloveConfig config_;
+  std::map<std::string, std::size_t> channels_;  ///< by topic
   std::optional<LocalPlane> plane_;
   Turn pose_, points_, grid_, track_turn_;
   std::vector<FoxglovePoint> echoes_;

@@ -48,24 +48,21 @@ std::string of_the_run(const std::string& records) {
 RunRecorder::RunRecorder(const std::filesystem::path& file, const Configuration& configuration)
     : config_(configuration.recorder), log_(checked_log_name(file), configuration.recorder.log) {
   if (config_.foxglove.on) {
-    foxglove_.emplace([this](FoxgloveKind kind, const std::string& topic, Time time,
-                             const std::string& message) { write_foxglove(kind, topic, time, message); },
-                      config_.foxglove);
+    foxglove_.emplace(
+        FoxgloveLog::Channels{[this](FoxgloveKind kind, const std::string& topic) -> std::size_t {
+                                const McapSchema schema{0, foxglove_name(kind), "jsonschema", foxglove_schema(kind)};
+                                return log_.add_channel(topic, "json", schema, kFoxgloveGroup);
+                              },
+                              [this](std::size_t channel, Time time, const std::string& message) {
+                                log_.write(static_cast<std::uint16_t>(channel), time, message);
+                              }},
+        config_.foxglove);
   }
   const McapSchema layout{0, "isobath.Display", "text", kRecordLayout};
   display_ = log_.add_channel(kDisplayTopic, "isobath.display", layout, kDisplayGroup);
   whole_ = log_.add_channel(kWholeDisplayTopic, "isobath.display", layout, kWholeGroup);
   log_.attach(kConfigurationAttachment, kToml, to_toml(configuration, false));
   log_.flush();  // so that a reader finds the channels at once
-}
-
-void RunRecorder::write_foxglove(FoxgloveKind kind, const std::string& topic, Time time, const std::string& message) {
-  const auto [channel, is_new] = foxglove_channels_.try_emplace(topic);
-  if (is_new) {
-    const McapSchema schema{0, foxglove_name(kind), "jsonschema", foxglove_schema(kind)};
-    channel->second = log_.add_channel(topic, "json", schema, kFoxgloveGroup);
-  }
-  log_.write(channel->second, time, message);
 }
 
 void RunRecorder::guarded(const std::function<void()>& write) {

@@ -93,13 +93,11 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
 
  private:
   void guarded(const std::function<void()>& write);
-  void write_foxglove(FoxgloveKind kind, const std::string& topic, Time time, const std::string& message);
 
   mutable std::mutex mutex_;
   RecorderConfig config_;
   NativeLogWriter log_;
   std::optional<FoxgloveLog> foxglove_;
-  std::map<std::string, std::uint16_t> foxglove_channels_;  ///< by topic
   std::uint16_t display_ = 0, whole_ = 0;
   std::uint16_t messages_ = 0;  ///< channel, made with the first message: without a mission there are none
   std::uint16_t tracks_ = 0;    ///< channel, made with the first body that moves

@@ -85,11 +85,13 @@ void RunDisplay::begin_recording(const RunRequest& request, const std::optional<
 void RunDisplay::show_to(ViewerFeed& viewers, const FoxgloveConfig& config) {
   viewers_ = &viewers;
   foxglove_.emplace(
-      [&viewers](FoxgloveKind kind, const std::string& topic, Time time, const std::string& message) {
-        const ViewerFeed::Channel channel{topic, foxglove_name(kind), foxglove_schema(kind),
-                                          kind == FoxgloveKind::kLog};
-        viewers.write(viewers.open(channel), time, message);
-      },
+      FoxgloveLog::Channels{
+          [&viewers](FoxgloveKind kind, const std::string& topic) {
+            return viewers.open({topic, foxglove_name(kind), foxglove_schema(kind), kind == FoxgloveKind::kLog});
+          },
+          [&viewers](std::size_t channel, Time time, const std::string& message) {
+            viewers.write(channel, time, message);
+          }},
       config);
 }
 

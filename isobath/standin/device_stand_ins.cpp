@@ -26,19 +26,16 @@ class Ping360StandIn final : public FramedStandIn {
       : FramedStandIn(DeviceKind::kPing360, unplug, stream, ping_frame_at) {}
 
   void on_event(const Event& event, Time now) override {
-    const auto* ping = std::get_if<Ping>(&event);
-    if (!ping || ping->fan->beams() != 1 || ping->intensity.type() != SampleType::kU8) return;
+    const Ping* const ping = scanned_line(event);
+    if (!ping) return;
     const std::lock_guard lock(mutex_);
     if (!settings_ || (!sweeps_ && !std::exchange(asked_, false))) return;
     Ping360Settings line = *settings_;
     line.sample_period = static_cast<std::uint16_t>(
         std::clamp(std::lround(2 * ping->window.bin_m / (ping->sound_speed * kPing360Tick_s)), 1L, 65535L));
     line.samples = static_cast<std::uint16_t>(ping->window.bins);
-    std::vector<std::byte> samples(static_cast<std::size_t>(ping->window.bins));
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      samples[i] = static_cast<std::byte>(std::lround(ping->intensity(0, static_cast<int>(i))));
     const long grad = std::lround(ping->fan->azimuth.front().degrees() / 0.9);
-    send(ping360_line_bytes(line, static_cast<int>((grad % 400 + 400) % 400), sweeps_, samples), now);
+    send(ping360_line_bytes(line, static_cast<int>((grad % 400 + 400) % 400), sweeps_, samples_of(*ping)), now);
   }
 
  private:

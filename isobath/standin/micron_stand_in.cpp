@@ -18,19 +18,16 @@ class MicronStandIn final : public FramedStandIn {
       : FramedStandIn(DeviceKind::kMicron, unplug, stream, tritech_frame_at) {}
 
   void on_event(const Event& event, Time now) override {
-    const auto* ping = std::get_if<Ping>(&event);
-    if (!ping || ping->fan->beams() != 1 || ping->intensity.type() != SampleType::kU8) return;
+    const Ping* const ping = scanned_line(event);
+    if (!ping) return;
     const std::lock_guard lock(mutex_);
     if (!settings_ || !asked_) return;
     asked_ = false;
     TritechSettings line = *settings_;
-    line.bin_time = static_cast<std::uint16_t>(std::lround(2 * ping->window.bin_m / (ping->sound_speed * 640e-9)));
+    line.bin_time =
+        static_cast<std::uint16_t>(std::lround(2 * ping->window.bin_m / (ping->sound_speed * tritech::kBinTimeUnit_s)));
     line.bins = static_cast<std::uint16_t>(ping->window.bins);
-    std::vector<std::byte> samples(static_cast<std::size_t>(ping->window.bins));
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      samples[i] = static_cast<std::byte>(std::lround(ping->intensity(0, static_cast<int>(i))));
-    const long bearing = std::lround(ping->fan->azimuth.front().degrees() / 0.05625) + 3200;
-    send(tritech_line_bytes(line, static_cast<int>((bearing % 6400 + 6400) % 6400), samples), now);
+    send(tritech_line_bytes(line, tritech::sixteenths(ping->fan->azimuth.front()), samples_of(*ping)), now);
   }
   void on_tick(Time now) override {
     const std::lock_guard lock(mutex_);
@@ -55,12 +52,12 @@ class MicronStandIn final : public FramedStandIn {
   }
   static ScanCommand command_of(const TritechSettings& s) {
     constexpr double kSound = 1500;
-    const int span = (s.right_limit - s.left_limit + 6400) % 6400;
+    const int span = (s.right_limit - s.left_limit + tritech::kTurn) % tritech::kTurn;
     ScanCommand command;
-    command.step = from_ahead(3200 + s.step);
-    command.sector = s.full_circle ? Angle::degrees(360) : from_ahead(3200 + span);
+    command.step = from_ahead(tritech::kAhead + s.step);
+    command.sector = s.full_circle ? Angle::degrees(360) : from_ahead(tritech::kAhead + span);
     command.middle = s.full_circle ? Angle{} : from_ahead(s.left_limit + span / 2).wrapped();
-    command.range_m = kSound * s.bin_time * 640e-9 * s.bins / 2;
+    command.range_m = kSound * s.bin_time * tritech::kBinTimeUnit_s * s.bins / 2;
     return command;
   }
 

@@ -22,10 +22,8 @@ std::string md5_of(const std::string& text) {
 std::map<std::string, std::string> texts_by_type(std::string_view type, const std::string& definition) {
   std::map<std::string, std::string> texts;
   std::string* text = &texts[std::string(type)];
-  for (std::size_t at = 0; at < definition.size();) {
-    const std::size_t end = std::min(definition.find('\n', at), definition.size());
-    const std::string_view line = std::string_view(definition).substr(at, end - at);
-    at = end + 1;
+  TextRow lines(definition, '\n');
+  for (std::string_view line; lines.next(line);) {
     if (line.starts_with("MSG: ")) {
       text = &texts[std::string(line.substr(5))];
     } else if (!line.starts_with("=====")) {
@@ -40,8 +38,8 @@ std::map<std::string, std::string> texts_by_type(std::string_view type, const st
 std::string md5_of_type(const std::string& type, const std::map<std::string, std::string>& texts) {
   std::string constants, fields;
   const std::string& text = texts.at(type);
-  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
-    std::string_view line = std::string_view(text).substr(at, text.find('\n', at) - at);
+  TextRow lines(text, '\n');
+  for (std::string_view line; lines.next(line);) {
     line = trimmed(line.substr(0, line.find('#')));
     if (line.empty()) continue;
     const std::size_t blank = line.find(' ');

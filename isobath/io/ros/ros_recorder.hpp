@@ -23,7 +23,7 @@ namespace isobath {
 
 struct RecordedTopic {
   std::string name, type;  ///< type without "/msg"
-  bool latched = false;    ///< its last message holds for whoever subscribes later (transient local in ROS 2)
+  bool latched = false;    ///< a later subscriber still gets its last message (transient local in ROS 2)
   std::uint64_t messages = 0;
 };
 

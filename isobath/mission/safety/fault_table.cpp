@@ -170,8 +170,7 @@ std::vector<FaultRow> collision_rows() {
       {.fault = Fault::kCollisionAhead,
        .name = "collision ahead",
        .noticed = "raw echoes of 2 pings or more that noise does not explain, raw ranges in 2 of 3, or an occupied "
-                  "voxel, in the "
-                  "path of the hull within its stopping distance",
+                  "voxel, in the path of the hull within its stopping distance",
        .limits = {"reaction_s", "collision_margin_m", "side_margin_m", "confirm_m", "confirm_s"},
        .action = Act::kStop,
        .abort = later(&SafetyConfig::collision_abort_s),

@@ -53,7 +53,7 @@ Look look_at(const SonarEchoes& ping, const Eigen::Vector2d& place_L, double apa
   return look;
 }
 
-using Evidence = std::array<double, NearEchoes::kBodies.size()>;
+using Evidence = NearEchoes::Evidence;
 
 constexpr Evidence kUnknownLook{NearEchoes::kMostEvidence, NearEchoes::kMostEvidence, NearEchoes::kMostEvidence};
 
@@ -92,7 +92,7 @@ Evidence greater(const Evidence& a, const Evidence& b) {
   return most;
 }
 
-/// Of the mean of the likelihood ratios.
+/// The logarithm of the mean of the likelihood ratios.
 double total(const Evidence& evidence) {
   const double most = *std::ranges::max_element(evidence);
   double sum = 0;

@@ -4,14 +4,14 @@
 // One echo may be noise. Echoes of different pings within `confirm_m` of each other and within `confirm_s` confirm each
 // other where noise hardly explains them, by a sequential likelihood-ratio test that counts looks: one rule for a sonar
 // that looks at a place now and then and for one that does so thirty times a second. A look is a ping with a beam
-// within `confirm_m` of the place that nothing nearer blocks. Noise gives m echoes or more there with the chance l(m)
-// of a Poisson variable of mean n w d: n such beams, w the mean width of the disc (pi / 2 confirm_m), d the density of
-// false echoes, one per metre of beam. A body gives them with the chance b, which is that of a buoy, of a post or of a
-// wall (kBodies), and at least 4 l(1). For each b, m echoes of a look add ln(b / l(m)), at most kMostEvidence, to what
-// the strongest echo near them has, and a look without one adds ln((1 - b) / (1 - l(1))), down to 0; the evidence is
-// that of the mean of the three likelihood ratios. At kEnough, more than any one look gives, they are confirmed: echoes
-// of two looks in a row, those of one sweep and the next where false echoes are rare, and more of them in clutter. An
-// echo of which no look is known (a range sonar) counts kMostEvidence.
+// within `confirm_m` of the place that nothing nearer blocks. Noise gives m echoes or more there with the chance l(m):
+// that of a Poisson variable with the mean n w d, where n such beams look, w is the mean width of the disc (pi / 2
+// confirm_m) and d is the density of false echoes, one per metre of beam. A body gives them with the chance b, which is
+// that of a buoy, of a post or of a wall (kBodies), and at least 4 l(1). For each b, m echoes of a look add ln(b /
+// l(m)), at most kMostEvidence, to what the strongest echo near them has, and a look without one adds ln((1 - b) / (1 -
+// l(1))), down to 0; the evidence is that of the mean of the three likelihood ratios. kEnough confirms them, and one
+// look alone never gives it. Two looks in a row are enough; so is one in each of two sweeps where false echoes are
+// rare; clutter takes more. An echo of which no look is known (a range sonar) counts kMostEvidence.
 //
 // The density of false echoes is measured: those that are not confirmed, or were and fell silent, over the metres of
 // beam within reach, of some two minutes. It starts high, as if kFirst_m had held kFirst: what is confirmed wrongly is
@@ -54,9 +54,10 @@ class NearEchoes {
   static constexpr std::size_t kMax = 8192;
   static constexpr int kSilentLooks = 10;
   static constexpr double kSilent_s = 3;
-  static constexpr std::array<double, 3> kBodies{0.05, 0.3, 0.9};  ///< shares of the looks in which they give an echo
-  static constexpr double kMostEvidence = 4.5;                     ///< of one look
-  static constexpr double kEnough = 5.5;  ///< to confirm; noise reaches it in one of some 250 tries
+  using Evidence = std::array<double, 3>;             ///< of each kind of body
+  static constexpr Evidence kBodies{0.05, 0.3, 0.9};  ///< shares of the looks in which they give an echo
+  static constexpr double kMostEvidence = 4.5;        ///< of one look
+  static constexpr double kEnough = 5.5;              ///< to confirm; noise reaches it in one of some 250 tries
   static constexpr double kFirst = 2.5, kFirst_m = 500;
 
   /// One ping: takes its echoes, and forgets what is gone by its silence. Echoes that are not finite or beyond
@@ -77,7 +78,6 @@ class NearEchoes {
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
-  using Evidence = std::array<double, kBodies.size()>;
   struct Echo {
     Eigen::Vector2d place_W;
     double heard_s = 0;

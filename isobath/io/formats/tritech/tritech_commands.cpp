@@ -10,8 +10,6 @@ namespace {
 constexpr std::uint8_t kHost = 255, kSingleMessage = 0x80, kImagingHead = 0x11;
 constexpr std::size_t kAround = 14, kAt = 13;  // bytes around a payload, and its offset
 constexpr std::size_t kHeadCommandBytes = 52;
-constexpr double kBinTimeUnit_s = 640e-9;
-constexpr int kTurn16 = 6400, kAhead16 = 3200;
 constexpr std::uint8_t kNoSettings = 1 << 6, kScanning = 1 << 5;
 constexpr std::uint16_t kHeadControl = 0x2304;  // raw, has a motor, replies in ASL, scans to the right
 constexpr std::uint8_t kFullSpan = 255;         // of 80 dB
@@ -28,11 +26,6 @@ RecordWriter tritech_message(std::uint8_t id, std::uint8_t from, std::uint8_t to
 
 RecordWriter tritech_to_head(std::uint8_t id, std::size_t payload) {
   return tritech_message(id, kHost, tritech::kImagingNode, payload, true);
-}
-
-std::uint16_t sixteenths(Angle bearing) {
-  const long value = std::lround(bearing.radians() * kAhead16 / std::numbers::pi) + kAhead16;
-  return static_cast<std::uint16_t>((value % kTurn16 + kTurn16) % kTurn16);
 }
 
 std::uint16_t control_of(const TritechSettings& s) {
@@ -58,8 +51,8 @@ std::optional<TritechSettings> settings_in(Bytes payload) {
   s.step = view.at<std::uint8_t>(37);
   s.bin_time = view.at<std::uint16_t>(38);
   s.bins = view.at<std::uint16_t>(40);
-  const bool right = s.left_limit < kTurn16 && s.right_limit < kTurn16 && s.step > 0 && s.bin_time > 0 && s.bins > 0 &&
-                     s.bins <= tritech::kMaxBins;
+  const bool right = s.left_limit < tritech::kTurn && s.right_limit < tritech::kTurn && s.step > 0 && s.bin_time > 0 &&
+                     s.bins > 0 && s.bins <= tritech::kMaxBins;
   return right ? std::optional(s) : std::nullopt;
 }
 
@@ -69,17 +62,19 @@ TritechSettings tritech_settings(const TritechScan& scan) {
   TritechSettings s;
   const double travel_s = 2 * scan.range_m / scan.sound_speed;
   const long most = std::clamp(scan.samples, 1, tritech::kMaxBins);
-  const long unit = std::clamp(std::lround(travel_s / (static_cast<double>(most) * kBinTimeUnit_s)), 1L, 65535L);
+  const long unit =
+      std::clamp(std::lround(travel_s / (static_cast<double>(most) * tritech::kBinTimeUnit_s)), 1L, 65535L);
   s.bin_time = static_cast<std::uint16_t>(unit);
   s.bins = static_cast<std::uint16_t>(
-      std::clamp(std::lround(travel_s / (static_cast<double>(unit) * kBinTimeUnit_s)), 1L, most));
+      std::clamp(std::lround(travel_s / (static_cast<double>(unit) * tritech::kBinTimeUnit_s)), 1L, most));
   s.range_scale = static_cast<std::uint16_t>(std::clamp(std::lround(scan.range_m * 10), 1L, 0x3fffL));
   s.gain = static_cast<std::uint8_t>(std::lround(std::clamp(scan.gain_percent, 0, 100) * 2.1));
-  s.step = static_cast<std::uint8_t>(std::clamp(std::lround(scan.step.degrees() / 0.05625), 1L, 255L));
+  s.step = static_cast<std::uint8_t>(
+      std::clamp(std::lround(scan.step.radians() * tritech::kAhead / std::numbers::pi), 1L, 255L));
   s.full_circle = scan.sector.degrees() >= 359;
   if (!s.full_circle) {
-    s.left_limit = sixteenths(scan.middle - scan.sector / 2);
-    s.right_limit = sixteenths(scan.middle + scan.sector / 2);
+    s.left_limit = tritech::sixteenths(scan.middle - scan.sector / 2);
+    s.right_limit = tritech::sixteenths(scan.middle + scan.sector / 2);
   }
   return s;
 }

@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <isobath/io/formats/tritech/tritech_protocol.hpp>
 
 namespace isobath {
@@ -60,13 +61,18 @@ TritechFrame tritech_frame(Bytes frame) {
   return result;
 }
 
+std::uint16_t tritech::sixteenths(Angle bearing) {
+  const long value = std::lround(bearing.radians() * kAhead / std::numbers::pi) + kAhead;
+  return static_cast<std::uint16_t>((value % kTurn + kTurn) % kTurn);
+}
+
 double tritech::range_scale_m(std::uint16_t range_scale) {
   constexpr std::array<double, 4> kUnit{1, 0.3048, 1.8288, 0.9144};
   return (range_scale & 0x3fff) * 0.1 * kUnit[range_scale >> 14];
 }
 
 double TritechLine::bin_m(double sound_speed) const {
-  if (bin_time > 0) return sound_speed * bin_time * 640e-9 / 2;
+  if (bin_time > 0) return sound_speed * bin_time * tritech::kBinTimeUnit_s / 2;
   return tritech::range_scale_m(range_scale) / bins();
 }
 

@@ -32,11 +32,15 @@ constexpr std::uint8_t kSendVersion = 23;
 constexpr std::uint8_t kSendData = 25;
 constexpr std::uint8_t kImagingNode = 2;
 constexpr int kMaxBins = 1500;
+constexpr double kBinTimeUnit_s = 640e-9;        ///< of ADInterval, two-way travel
+constexpr int kTurn = 6400, kAhead = kTurn / 2;  ///< in 1/16 gradian
 
 /// The range in the label RangeScale: 14 bits of tenths, 2 bits of unit (metre, foot, fathom, yard).
 double range_scale_m(std::uint16_t range_scale);
 /// Converts 1/16 gradian to an angle clockwise from ahead: 3200 is ahead, 4800 starboard.
-inline Angle bearing(int sixteenths) { return Angle::radians((sixteenths - 3200) * (std::numbers::pi / 3200)); }
+inline Angle bearing(int sixteenth) { return Angle::radians((sixteenth - kAhead) * (std::numbers::pi / kAhead)); }
+/// The converse, 0..6399.
+std::uint16_t sixteenths(Angle bearing);
 
 /// Bits of HdCtrl.
 constexpr std::uint16_t kEightBit = 1 << 0;
