@@ -16,7 +16,7 @@ using testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEm
 std::map<std::string, std::set<std::string>> options_in_help() {
   std::map<std::string, std::set<std::string>> all;
   const std::string overview = test::isobath({"help"}).out;
-  const std::regex command("\n  ([a-z-]+)  +[A-Z]"), option("\n  (?:-[a-z], )?(--[a-z-]+)");
+  const std::regex command("\n  ([a-z-]+)  +[A-Z]"), option("\n  (?:-[a-z], )?(--[a-z0-9-]+)");
   for (std::sregex_iterator i(overview.begin(), overview.end(), command), end; i != end; ++i) {
     const std::string name = (*i)[1], help = test::isobath({"help", name}).out;
     for (std::sregex_iterator o(help.begin(), help.end(), option); o != end; ++o) all[name].insert((*o)[1]);
