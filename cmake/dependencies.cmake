@@ -21,6 +21,7 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(GEOGRAPHIC REQUIRED IMPORTED_TARGET geographiclib)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET libcrypto) # SHA-256 of signed MAVLink frames
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 
 # Voxels as .vdb files, where OpenVDB is there. (Its own module asks for far more than a writer needs.) Not in sanitized builds:

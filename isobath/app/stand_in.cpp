@@ -9,6 +9,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/app/vehicle_page.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/secret_file.hpp>
 #include <isobath/standin/stand_ins.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,7 @@ struct StandInCommand {
   std::filesystem::path scene;
   StandInRequest request;
   std::vector<std::string> devices, pilot;
+  std::string key_file;
   bool json = false;
 };
 
@@ -76,6 +78,7 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
          {"length_m", truth.length_m},
          {"setpoints", counts.setpoints},
          {"refused", counts.refused},
+         {"untrusted", counts.untrusted},
          {"oldest_s", counts.oldest_s},
          {"longest_gap_s", counts.longest_gap_s},
          {"rings", counts.rings},
@@ -91,12 +94,14 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
              counts.setpoints, counts.oldest_s, counts.longest_gap_s, counts.refused);
   fmt::print("it heard {} rings and {} points of obstacles, and {} texts\n", counts.rings, counts.points, counts.texts);
   if (counts.moved_m > 0) fmt::print("a DVL measured {:.1f} m of motion\n", counts.moved_m);
+  if (counts.untrusted > 0) fmt::print("it refused {} frames without the right signature\n", counts.untrusted);
   if (pulled > 0) fmt::print("cables were pulled {} times\n", pulled);
 }
 
 int stand_in(StandInCommand& options) {
   options.request.devices = devices_of(options.devices);
   options.request.turns = turns_of(options.pilot);
+  if (!options.key_file.empty()) options.request.key.emplace(secret_of_file(options.key_file));
   listen_for_interrupt();
   StandIns stand_ins(open_scenario(options.scene), options.request);
   nlohmann::ordered_json ports{{"autopilot", stand_ins.autopilot_port()}};
@@ -133,6 +138,11 @@ Action add_stand_in(CLI::App& program) {
   command->add_option("--oculus-status", request.oculus_status, "Where the stand-in of an Oculus broadcasts its status")
       ->type_name("LINK")
       ->capture_default_str()
+      ->group("Links");
+  command
+      ->add_option("--key-file", options->key_file, "File with the passphrase by which the autopilot signs its frames")
+      ->type_name("FILE")
+      ->check(reads())
       ->group("Links");
   command
       ->add_option(

@@ -4,6 +4,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/app/vehicle_page.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/secret_file.hpp>
 #include <thread>
 
 namespace isobath::app {
@@ -57,15 +58,7 @@ void PageOptions::add_to(CLI::App& command) {
       ->group("Page");
 }
 
-std::string PageOptions::token() const {
-  const std::string& file = token_file;
-  if (file.empty()) return {};
-  std::string token = text_of_file(file);
-  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) token.pop_back();
-  if (token.empty())
-    throw Error("holds no token", {file, {}, {}, {}, {}}, "one line", "make one with: openssl rand -hex 16");
-  return token;
-}
+std::string PageOptions::token() const { return token_file.empty() ? std::string() : secret_of_file(token_file); }
 
 WebServerConfig PageOptions::server() const {
   WebServerConfig server;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/secret_file.hpp>
 #include <isobath/links/autopilot_link.hpp>
 #include <utility>
 #include <vector>
@@ -46,7 +47,10 @@ std::vector<Field> fields(AutopilotLinkConfig& c) {
                   "autopilot (VISO_TYPE 1)."),
       Field::flag("obstacle_points", &c.obstacle_points,
                   "Whether obstacles are sent as points (OBSTACLE_DISTANCE_3D) and not as distances around the vehicle "
-                  "(OBSTACLE_DISTANCE).")};
+                  "(OBSTACLE_DISTANCE)."),
+      Field::text("key_file", &c.key_file,
+                  "File with the passphrase of MAVLink signing, as the ground station has it: frames are signed, and "
+                  "those without the right signature are refused. Empty: no signatures.")};
 }
 
 AutopilotLink::AutopilotLink(const AutopilotLinkConfig& config, LinkSource& events)
@@ -56,16 +60,29 @@ AutopilotLink::AutopilotLink(const AutopilotLinkConfig& config, LinkSource& even
       frames_(mavlink_frame_at),
       writer_(static_cast<std::uint8_t>(std::max(1, config.system)), kObstacleAvoidance) {
   if (config.system > 0) vehicle_.expect({.system = static_cast<std::uint8_t>(config.system), .local = true});
+  if (config.key_file.empty()) return;
+  const MavlinkKey key(secret_of_file(config.key_file));
+  writer_.sign_with(key);
+  trust_.emplace(key);
 }
 
-void AutopilotLink::send(std::uint32_t id, const PayloadBytes& body) { link_->send(writer_.frame(id, body)); }
+void AutopilotLink::send(std::uint32_t id, const PayloadBytes& body) {
+  link_->send(writer_.frame(id, body, hub_->now()));
+}
 
 void AutopilotLink::on_open(Time /*time*/) { events_.note("autopilot", fmt::format("MAVLink at {}", config_.link)); }
 
 void AutopilotLink::on_bytes(Bytes bytes, Time time) {
   frames_.push(bytes, time, offset_);
   offset_ += bytes.size();
-  while (const auto found = frames_.next(report_)) on_frame(mavlink_frame(found->frame), time);
+  while (const auto found = frames_.next(report_)) {
+    const char* const refused = trust_ ? to_text(trust_->judge(found->frame)) : nullptr;
+    if (refused) {
+      ++report_.rejected[refused];
+    } else {
+      on_frame(mavlink_frame(found->frame), time);
+    }
+  }
   const std::lock_guard lock(mutex_);
   counts_.damaged += report_.bytes_skipped > 0 ? 1 : 0;
   if (report_.bytes_skipped > 0) events_.refuse("autopilot: bytes that are no frame");
@@ -112,7 +129,7 @@ void AutopilotLink::on_heartbeat(const MavlinkFrame& frame, Time time) {
   if (beat.autopilot != kArduPilot || frame.component != kAutopilotComponent) return;
   if (!vehicle_.system()) {
     vehicle_.expect({.system = frame.system, .local = true});
-    writer_ = MavlinkWriter(frame.system, kObstacleAvoidance);
+    writer_.set_system(frame.system);
   }
   if (frame.system != *vehicle_.system()) return;
   const std::lock_guard lock(mutex_);

@@ -2,8 +2,9 @@
 //
 // In: HEARTBEAT, SYS_STATUS, TIMESYNC, the messages of mavlink_vehicle.hpp, and the mission (mission_download.hpp).
 // Only frames of the vehicle's system count; the vehicle is the one of AutopilotLinkConfig::system, else the first
-// ArduPilot that is heard. Frames whose checksum is wrong are counted. Each second a health report of "vehicle" gives
-// the charge; none comes while the autopilot has been silent for 3 s, which the fault table notices.
+// ArduPilot that is heard. Frames whose checksum is wrong are counted. With a key, all frames of ours are signed, and
+// those of others that are not, or are not by this key, are refused and counted. Each second a health report of
+// "vehicle" gives the charge; none comes while the autopilot has been silent for 3 s, which the fault table notices.
 //
 // Out: HEARTBEAT and TIMESYNC, SET_MESSAGE_INTERVAL for what is needed, SET_POSITION_TARGET_LOCAL_NED (velocity and
 // yaw) with each set-point, at most every 50 ms, OBSTACLE_DISTANCE or _3D, STATUSTEXT, NAMED_VALUE_FLOAT, and, with
@@ -41,6 +42,7 @@ struct AutopilotLinkConfig {
   double max_dive_rate = 0.4;    ///< m/s, up and down
   bool dvl_motion = false;       ///< whether the motion that a DVL measures is sent
   bool obstacle_points = false;  ///< as points in the body, not as a ring of distances
+  std::string key_file;          ///< passphrase of signed frames, relative to the vehicle file; empty: no signatures
 };
 std::vector<Field> fields(AutopilotLinkConfig& config);
 
@@ -116,6 +118,7 @@ class AutopilotLink final : public ByteReceiver {
   std::uint64_t offset_ = 0;
   mavlink::PayloadBytes pending_;
   MavlinkWriter writer_;
+  std::optional<SignatureCheck> trust_;
   std::optional<MissionDownload> download_;
 
   mutable std::mutex mutex_;  ///< guards all below

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <isobath/links/vehicle_file.hpp>
 #include <utility>
 
@@ -57,7 +58,12 @@ VehicleFile parse_vehicle_file(std::string_view text, const std::string& file) {
   return vehicle;
 }
 
-VehicleFile load_vehicle_file(const std::string& file) { return parse_vehicle_file(text_of_file(file), file); }
+VehicleFile load_vehicle_file(const std::string& file) {
+  VehicleFile vehicle = parse_vehicle_file(text_of_file(file), file);
+  std::string& key = vehicle.autopilot.key_file;
+  if (!key.empty()) key = (std::filesystem::path(file).parent_path() / key).string();
+  return vehicle;
+}
 
 std::string vehicle_file_text(VehicleFile vehicle) {
   VehicleFile usual;

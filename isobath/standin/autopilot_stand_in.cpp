@@ -31,14 +31,20 @@ std::uint32_t AutopilotStandIn::boot_ms(Time now) const {
 }
 
 void AutopilotStandIn::send(std::uint32_t id, const PayloadBytes& body, Time now) {
-  link_.send(writer_.frame(id, body), now);
+  link_.send(writer_.frame(id, body, now), now);
 }
 
 void AutopilotStandIn::on_bytes(Bytes bytes, Time time) {
   frames_.push(bytes, time, offset_);
   offset_ += bytes.size();
   const std::lock_guard lock(mutex_);
-  while (const auto found = frames_.next(report_)) on_frame(mavlink_frame(found->frame), time);
+  while (const auto found = frames_.next(report_)) {
+    if (trust_ && trust_->judge(found->frame) != SignatureCheck::Verdict::kTrusted) {
+      ++counts_.untrusted;
+    } else {
+      on_frame(mavlink_frame(found->frame), time);
+    }
+  }
   report_ = SourceReport{};
 }
 

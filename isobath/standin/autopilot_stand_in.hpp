@@ -36,13 +36,18 @@ struct AutopilotCounts {
   std::uint64_t rings = 0, points = 0, texts = 0;  ///< OBSTACLE_DISTANCE, OBSTACLE_DISTANCE_3D, STATUSTEXT
   double moved_m = 0;                              ///< length of the motions that a DVL was said to have measured
   std::string last_text;
-  int pulled = 0;  ///< how often its cable was pulled
+  int pulled = 0;               ///< how often its cable was pulled
+  std::uint64_t untrusted = 0;  ///< frames without the right signature
 };
 
 class AutopilotStandIn final : public ByteReceiver {
  public:
   AutopilotStandIn(AutopilotPlan plan, const GeoOrigin& origin, double guided_after_s, std::vector<PilotTurn> turns,
                    const UnplugConfig& unplug);
+  void sign_with(const MavlinkKey& key) {
+    writer_.sign_with(key);
+    trust_.emplace(key);
+  }
   void use(LinkHub& hub, ByteLink& link) {
     hub_ = &hub;
     link_.use(link);
@@ -79,6 +84,7 @@ class AutopilotStandIn final : public ByteReceiver {
   LinkHub* hub_ = nullptr;
   StandInLink link_;
   MavlinkWriter writer_{1, 1};
+  std::optional<SignatureCheck> trust_;
   SourceReport report_;
   FrameStream frames_{mavlink_frame_at};
   std::uint64_t offset_ = 0;

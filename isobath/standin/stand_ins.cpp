@@ -68,6 +68,7 @@ StandIns::StandIns(const Scenario& scenario, const StandInRequest& request)
       autopilot_(autopilot_plan(scenario.mission, known_origin(scenario)), known_origin(scenario),
                  request.guided_after_s, request.turns, request_.unplug) {
   source_.tell_truth_to(truth_);
+  if (request.key) autopilot_.sign_with(*request.key);
   autopilot_.use(hub_, hub_.add(link_address_of(request.autopilot, "--autopilot"), autopilot_));
   std::uint64_t stream = 1;
   for (const StandInRequest::Device& device : request.devices) {

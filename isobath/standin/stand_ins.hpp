@@ -13,6 +13,7 @@
 #include <isobath/standin/autopilot_stand_in.hpp>
 #include <isobath/standin/device_stand_ins.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace isobath {
@@ -35,7 +36,8 @@ struct StandInRequest {
   double speed = 1;               ///< times real time
   double guided_after_s = 2;
   std::vector<PilotTurn> turns;
-  UnplugConfig unplug;  ///< its speed is that of the request
+  std::optional<MavlinkKey> key = {};  ///< the autopilot signs its frames, and hears no others
+  UnplugConfig unplug;                 ///< its speed is that of the request
 };
 
 class StandIns {

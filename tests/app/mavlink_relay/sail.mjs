@@ -1,7 +1,9 @@
 // A mission is sailed with node-mavlink between Isobath and the autopilot: each frame of either side is decoded by it,
-// encoded by it again, and passed on. So it has to understand all that we send, and its frames have to drive us.
+// its signature is checked, it is encoded and signed by it again, and passed on. So it has to understand and to trust all
+// that we send, and its frames have to drive us.
 // Usage: node sail.mjs PROGRAM SOURCE_FOLDER WORK_FOLDER; prints what passed; exits 1 where anything is wrong.
 import { spawn } from "node:child_process";
+import { createHash } from "node:crypto";
 import { createSocket } from "node:dgram";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -12,6 +14,8 @@ import mavlink from "node-mavlink";
 const { ardupilotmega, common, createMavLinkStream, MavLinkProtocolV2, minimal } = mavlink;
 const kMessages = { ...minimal.REGISTRY, ...common.REGISTRY, ...ardupilotmega.REGISTRY };
 const kSpeed = "2";
+const kPassphrase = "a boat among buoys";
+const kKey = createHash("sha256").update(kPassphrase).digest();
 
 const [program, source, work] = process.argv.slice(2);
 const failures = [];
@@ -33,7 +37,11 @@ function relay(direction, send) {
       const { msgid, sysid, compid, seq } = packet.header;
       const type = kMessages[msgid];
       if (!type) return failures.push(`${direction}: message ${msgid} is unknown`);
-      const frame = new MavLinkProtocolV2(sysid, compid).serialize(packet.protocol.data(packet.payload, type), seq);
+      if (!packet.signature?.matches(kKey)) return failures.push(`${direction}: ${type.MSG_NAME} is not signed by the key`);
+      const writer = new MavLinkProtocolV2(sysid, compid, MavLinkProtocolV2.IFLAG_SIGNED);
+      const plain = writer.serialize(packet.protocol.data(packet.payload, type), seq);
+      const time = packet.signature.timestamp / 100 + MavLinkProtocolV2.SIGNATURE_START_TIME;
+      const frame = writer.sign(plain, packet.signature.linkId, kKey, time);
       const again = frame.subarray(10, 10 + frame[1]);
       const name = type.MSG_NAME;
       if (!trimmed(again).equals(trimmed(packet.payload))) failures.push(`${direction}: ${name} is not written as read`);
@@ -68,12 +76,14 @@ function shortScene() {
 
 mkdirSync(work, { recursive: true });
 writeFileSync(join(work, "scene.toml"), shortScene());
+writeFileSync(join(work, "passphrase.txt"), `${kPassphrase}\n`);
 // On a machine that does much else, a thread that waits is no agent that hangs.
 const settings = readFileSync(join(source, "examples/aboard/ping360.toml"), "utf8");
 writeFileSync(join(work, "settings.toml"), `${settings}[executor]\nmissed_ticks = 100\n`);
 
 const devices = ["ping360", "ping1d"];
 const standIn = start("stand-in", "scene.toml", "--json", "--speed", kSpeed, "--autopilot", "udp-server:0",
+                      "--key-file", "passphrase.txt",
                       ...devices.flatMap((device) => ["--device", `${device}=udp-server:0`]));
 const ports = JSON.stringify(await standIn.first);
 const portOf = (name) => Number(ports.match(new RegExp(`"${name}":\\s*(\\d+)`))[1]);
@@ -86,7 +96,7 @@ const inward = relay("from the autopilot", (frame) => peer && ours.send(frame, p
 ours.on("message", (bytes, from) => outward.write(bytes) && (peer = from));
 autopilot.on("message", (bytes) => inward.write(bytes));
 
-writeFileSync(join(work, "vehicle.toml"), `[autopilot]\nlink = "udp:127.0.0.1:${ours.address().port}"\n` +
+writeFileSync(join(work, "vehicle.toml"), `[autopilot]\nlink = "udp:127.0.0.1:${ours.address().port}"\nkey_file = "passphrase.txt"\n` +
   devices.map((device) => `[[device]]\nkind = "${device}"\nlink = "udp:127.0.0.1:${portOf(device)}"\n`).join(""));
 const aboard = start("aboard", "vehicle.toml", "--json", "--speed", kSpeed, "--until-done", "--no-page", "--out", "out",
                      "--config", "settings.toml");
@@ -103,6 +113,7 @@ const check = (right, what) => right || failures.push(what);
 check(code === 0, `aboard ended with ${code}`);
 check(end.contact_s === -1, "the vehicle touched something");
 check(end.length_m > 20, `the vehicle sailed ${end.length_m} m`);
+check(end.untrusted === 0, `${end.untrusted} frames were not trusted`);
 check(end.setpoints > 50, `${end.setpoints} set-points arrived`);
 for (const name of ["HEARTBEAT", "SET_POSITION_TARGET_LOCAL_NED", "MISSION_REQUEST_INT", "OBSTACLE_DISTANCE"]) {
   check(passed["to the autopilot"][name] > 0, `no ${name} was sent`);

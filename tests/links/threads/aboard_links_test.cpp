@@ -1,4 +1,5 @@
 // Devices and an autopilot over real sockets on this machine: what is heard, who may steer, and cables that are pulled.
+#include <fstream>
 #include <gmock/gmock.h>
 #include <tests/links/joined.hpp>
 
@@ -11,6 +12,12 @@ const std::string kPing360 =
     "[[device]]\nkind = \"ping360\"\nlink = \"udp:127.0.0.1:@ping360\"\nrange_m = 20\nsector_deg = 120\n";
 const std::string kPing1D = "[[device]]\nkind = \"ping1d\"\nlink = \"udp:127.0.0.1:@ping1d\"\n";
 const std::string kDvl = "[[device]]\nkind = \"dvl-a50\"\nlink = \"tcp:127.0.0.1:@dvl-a50\"\n";
+
+std::string key_file(const std::filesystem::path& folder, const std::string& passphrase) {
+  const auto file = folder / "key.txt";
+  std::ofstream(file) << passphrase << "\n";
+  return file.string();
+}
 
 TEST(AboardLinks, HearSonarsAnEchoSounderAndTheAutopilot) {
   Joined joined(Joined::with({{DeviceKind::kPing360, "udp-server:0"},
@@ -68,6 +75,27 @@ TEST(AboardLinks, SteerOnlyWhileTheVehicleIsArmedAndInGuided) {
   EXPECT_EQ(last[kOtherMode].setpoints, first[kOtherMode].setpoints) << "the pilot has the vehicle";
   EXPECT_GT(last[kOtherMode].withheld, first[kOtherMode].withheld);
   EXPECT_GT(joined.stand_ins().autopilot().setpoints, 5u);
+}
+
+TEST(AboardLinks, TrustOnlyAnAutopilotThatSignsByTheirKey) {
+  const auto folder = test::scratch_folder();
+  for (const std::string ours : {"a boat among buoys", "another passphrase"}) {
+    StandInRequest request = Joined::with({});
+    request.key.emplace("a boat among buoys");
+    Joined joined(request, fmt::format("key_file = \"{}\"\n", key_file(folder, ours)));
+    const bool right = ours == "a boat among buoys";
+    std::uint64_t refused = 0;
+    EXPECT_TRUE(joined.until([&](const Event&) {
+      joined.vehicle().autopilot().command({}, {}, joined.vehicle().now());
+      const auto& rejected = joined.vehicle().source().report().rejected;
+      const auto found = rejected.find("autopilot: frame with a wrong signature");
+      if (found != rejected.end()) refused = found->second;
+      return right ? joined.stand_ins().autopilot().setpoints > 5 : refused > 20;
+    }));
+    EXPECT_EQ(joined.vehicle().autopilot().authority() == Authority::kNoAutopilot, !right);
+    EXPECT_EQ(joined.stand_ins().autopilot().untrusted > 0, !right);
+    EXPECT_EQ(refused > 0, !right);
+  }
 }
 
 TEST(AboardLinks, AreFoundAgainAfterEachPull) {

@@ -6,7 +6,7 @@ namespace isobath {
 namespace {
 
 constexpr std::byte kMagic1{0xFE}, kMagic2{0xFD};
-constexpr std::size_t kHead1 = 6, kHead2 = 10, kCrcBytes = 2, kSignatureBytes = 13;
+constexpr std::size_t kHead1 = 6, kHead2 = 10, kCrcBytes = 2;
 
 constexpr std::array kKinds{
     MavlinkKind{0, "HEARTBEAT", 50},
@@ -94,13 +94,13 @@ const MavlinkKind* mavlink_kind(std::uint32_t id) {
   return found != kKinds.end() && found->id == id ? found : nullptr;
 }
 
-std::vector<std::byte> MavlinkWriter::frame(std::uint32_t id, Bytes payload) {
+std::vector<std::byte> MavlinkWriter::frame(std::uint32_t id, Bytes payload, Time now) {
   const MavlinkKind* const kind = mavlink_kind(id);
   assert(kind && payload.size() <= 255);
   while (payload.size() > 1 && payload.back() == std::byte{}) payload = payload.first(payload.size() - 1);
   std::vector<std::byte> bytes{kMagic2,
                                static_cast<std::byte>(payload.size()),
-                               {},
+                               signer_ ? kMavlinkSigned : std::byte{},
                                {},
                                std::byte{sequence_++},
                                std::byte{system_},
@@ -112,6 +112,7 @@ std::vector<std::byte> MavlinkWriter::frame(std::uint32_t id, Bytes payload) {
   crc = crc_after(crc, kind->crc_extra);
   bytes.push_back(static_cast<std::byte>(crc));
   bytes.push_back(static_cast<std::byte>(crc >> 8));
+  if (signer_) signer_->sign(bytes, now);
   return bytes;
 }
 
@@ -128,7 +129,7 @@ Framing mavlink_structure_at(Bytes bytes) {
   const auto flags = second ? std::to_integer<unsigned>(bytes[2]) : 0;
   if ((flags & ~1U) != 0) return other();  // a frame that must not be read without knowing its flags
   const std::size_t length = std::to_integer<std::size_t>(bytes[1]) + (second ? kHead2 : kHead1) + kCrcBytes +
-                             ((flags & 1U) != 0 ? kSignatureBytes : 0);
+                             ((flags & 1U) != 0 ? kMavlinkSignatureBytes : 0);
   return {bytes.size() < length ? Framing::Kind::kIncomplete : Framing::Kind::kFrame, length};
 }
 

@@ -3,8 +3,8 @@
 // Version 2: FD, length, incompatible flags (bit 0: a signature of 13 bytes follows), compatible flags, sequence,
 // system, component, 24-bit message number, payload, CRC-16/MCRF4XX. Version 1: FE, length, sequence, system,
 // component, 8-bit message number, payload, CRC. The checksum covers all bytes after the first and one byte of the
-// message's definition (CRC_EXTRA), so that only the messages of the table below can be checked. Signatures are not
-// checked. A sender drops trailing zeros of the payload: fields beyond its end read as zero.
+// message's definition (CRC_EXTRA), so that only the messages of the table below can be checked. A sender drops
+// trailing zeros of the payload: fields beyond its end read as zero. Signatures: mavlink_signature.hpp.
 //
 // The table has the messages that ArduSub and ground stations write; its bytes were computed from the definitions, and
 // each that occurs in 43 thousand frames of a BlueROV2 agrees with those frames.
@@ -12,6 +12,7 @@
 
 #include <isobath/io/bytes/bytes.hpp>
 #include <isobath/io/bytes/framing.hpp>
+#include <isobath/io/formats/mavlink/mavlink_signature.hpp>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -60,15 +61,19 @@ struct MavlinkFrame {
   Checksum checksum = Checksum::kUnknown;  ///< kUnknown: of a message that the table lacks
 };
 
-/// Makes frames of version 2, without a signature; numbers them in sequence.
+/// Makes frames of version 2, signed if there is a key; numbers them in sequence.
 class MavlinkWriter {
  public:
   MavlinkWriter(std::uint8_t system, std::uint8_t component) : system_(system), component_(component) {}
-  /// `payload`: up to the last field; trailing zeros are not sent. `id`: of the table.
-  std::vector<std::byte> frame(std::uint32_t id, Bytes payload);
+  void sign_with(const MavlinkKey& key) { signer_.emplace(key); }
+  /// The vehicle's system, once it is known.
+  void set_system(std::uint8_t system) { system_ = system; }
+  /// `payload`: up to the last field; trailing zeros are not sent. `id`: of the table. `now`: of the signature.
+  std::vector<std::byte> frame(std::uint32_t id, Bytes payload, Time now = {});
 
  private:
   std::uint8_t system_, component_, sequence_ = 0;
+  std::optional<MavlinkSigner> signer_;
 };
 
 /// The verdict on the structure of a frame at the first byte, as far as its head goes; its checksum is not looked at.
