@@ -345,7 +345,7 @@ TEST(Group, RunsLiveWithThreadsOfItsOwn) {
   EXPECT_EQ(result.exit_code, 1) << "the mission did not end";
   const auto group = test::json_of(folder / "out/group.json");
   ASSERT_EQ(group["vehicles"].size(), 2u);
-  for (const auto& vehicle : group["vehicles"]) { // a loaded machine may have made it hold: its phase is not looked at
+  for (const auto& vehicle : group["vehicles"]) {  // a loaded machine may have made it hold: its phase is not looked at
     EXPECT_GT(vehicle["link"]["received"].get<int>(), 0);
   }
   EXPECT_TRUE(std::filesystem::is_regular_file(folder / "out/bravo/report.html"));
