@@ -1,6 +1,4 @@
-#include <isobath/links/autopilot_link.hpp>
 #include <isobath/links/front_seat.hpp>
-#include <isobath/links/moos_link.hpp>
 
 namespace isobath {
 
@@ -67,11 +65,6 @@ void FrontSeat::tell_refused(SourceReport& report) {
   report.rejected.clear();
   report.damages.clear();
   report.bytes_skipped = 0;
-}
-
-std::unique_ptr<FrontSeat> make_front_seat(const FrontSeatConfig& config, LinkSource& events) {
-  if (config.kind == FrontSeatKind::kMoos) return std::make_unique<MoosLink>(config, events);
-  return std::make_unique<AutopilotLink>(config, events);
 }
 
 }  // namespace isobath

@@ -294,7 +294,10 @@ void MoosLink::on_tick(Time now) {
     const std::lock_guard lock(mutex_);
     if (steered_ && held != Authority::kOurs && stop_ == Stop::kNone) stop_ = Stop::kWaits;
   }
-  if (stop_ == Stop::kWaits) put(moos_number(kSpeedKey, 0, database_s(now)));
+  if (stop_ == Stop::kWaits) {
+    std::erase_if(outbox_, [](const MoosMessage& waiting) { return waiting.key.starts_with("DESIRED_"); });
+    put(moos_number(kSpeedKey, 0, database_s(now)));
+  }
   if (!waits_ && (!outbox_.empty() || now - sent_ >= kPollInterval)) send_next(now);
 }
 

@@ -1,6 +1,13 @@
+#include <isobath/links/autopilot_link.hpp>
+#include <isobath/links/moos_link.hpp>
 #include <isobath/links/vehicle_links.hpp>
 
 namespace isobath {
+
+std::unique_ptr<FrontSeat> make_front_seat(const FrontSeatConfig& config, LinkSource& events) {
+  if (config.kind == FrontSeatKind::kMoos) return std::make_unique<MoosLink>(config, events);
+  return std::make_unique<AutopilotLink>(config, events);
+}
 
 VehicleLinks::VehicleLinks(VehicleFile file, double speed)
     : file_(std::move(file)),
