@@ -254,7 +254,6 @@ bool AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     }
     if (now - setpoint_ < kSetpointInterval) return false;
     setpoint_ = now;
-    ++counts_.setpoints;
     const double rate = std::min(config_.max_dive_rate, limits.limits.max_climb_rate);
     const double depth_error = setpoint.depth - fix_->X_WB.translation.z();
     const double c = cos(setpoint.heading), s = sin(setpoint.heading);
@@ -265,7 +264,14 @@ bool AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     target.boot_ms = milliseconds(answers.time_since_epoch() + *boot_);
     target.system = system_;
   }
-  hub_->post([this, body = target.body()] { send(VelocityTarget::kId, body); });
+  hub_->post([this, body = target.body(), answers] {
+    const bool stale = hub_->now() - answers > kOldest;  // the thread of the links had to wait
+    {
+      const std::lock_guard lock(mutex_);
+      ++(stale ? counts_.withheld : counts_.setpoints);
+    }
+    if (!stale) send(VelocityTarget::kId, body);
+  });
   return true;
 }
 

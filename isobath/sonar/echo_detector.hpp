@@ -14,11 +14,10 @@
 // skirt_share, without first dipping below its own times skirt_share: it is the foot of that echo. Two targets closer
 // than skirt_m with no dip between them are reported at the stronger one.
 //
-// False alarms of short bins (`auto`, a scanning head, with `false_alarm_m`). A head whose bins are much shorter than a
-// cell of the map has many of them in a cell, and each may report a false echo; with `false_alarm_m` each gets its
-// share of the rate. Measured on a simulated Ping360 (bins of 0.04 m, cells of 1 m), three seeds: 1044, 1654 and 1252
-// false pieces of obstacles with the whole rate in each bin; 154, 280 and 99 with its share of a metre. Weak echoes are
-// then seen less often, so that it is off unless it is asked for.
+// False alarms of short bins (`auto`, a scanning head). A cell of the map holds many bins of a head with short ones, and
+// each may report a false echo: false_alarm holds for a bin of false_alarm_m, the bins of a Micron at 50 m, and a
+// shorter one gets its share. Measured on a simulated Ping360 (bins of 0.02 m, cells of 1 m) in a reservoir without
+// buoys, three seeds: @BEFORE@ false obstacles with the whole rate in each bin, @AFTER@ with its share.
 //
 // Warm-up (`learnt`): until warmup_profiles beams have been received, all bins are unusable: unknown, neither free nor
 // occupied. The default is a quarter turn of a Micron, or four pings of a multibeam sonar (the detector learns from 16
@@ -74,7 +73,7 @@ enum class DetectionMethod : std::uint8_t {
 struct EchoDetectorConfig {
   DetectionMethod method = DetectionMethod::kAutomatic;
   double false_alarm = 0.02;      ///< f; a sensor model has its own
-  double false_alarm_m = 0;       ///< length of a bin for which false_alarm holds, in method auto; 0: any
+  double false_alarm_m = 0.1;     ///< length of a bin for which false_alarm holds, in method auto; 0: any
   double p_detect = 0.8;          ///< p_D; a model has its own
   double blanking_m = 0.6;        ///< nearer bins are not usable
   double global_threshold = 0.5;  ///< share of full scale
