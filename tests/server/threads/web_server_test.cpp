@@ -133,6 +133,13 @@ TEST(WebServer, ServesFilesWithWhatKeepsThemIn) {
   EXPECT_EQ(site.refused("not_found"), 1u);
 }
 
+TEST(WebServer, StandsOnlyInFramesOfTheOriginsThatItsSettingsName) {
+  Site site([](WebServerConfig& c) { c.frame_origins = "http://blueos.local, http://192.168.2.2"; });
+  const std::string page = site.get("/");
+  EXPECT_THAT(page, HasSubstr("frame-ancestors http://blueos.local http://192.168.2.2\r\n"));
+  EXPECT_THAT(page, Not(HasSubstr("X-Frame-Options")));
+}
+
 TEST(WebServer, GzipForWhoTakesIt) {
   Site site;
   const std::string zipped = site.get("/", "Accept-Encoding: br, gzip\r\n");
