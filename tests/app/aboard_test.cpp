@@ -46,8 +46,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
             const std::string& autopilot = "") {
   write(folder / "scene.toml", short_scene());
   // On a machine that does much else, a thread that waits is no agent that hangs.
-  write(folder / "ping360.toml",
-        content_of(source_folder() / "examples/aboard/ping360.toml") + "[executor]\nmissed_ticks = 100\n");
+  write(folder / "patient.toml", "[executor]\nmissed_ticks = 100\n");
   const std::string script =
       R"(
     cd "$1"
@@ -60,7 +59,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
       autopilot +
       R"([[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "dvl-a50"\nlink = "tcp:127.0.0.1:%s"\n' \
       $(port autopilot) $(port ping360) $(port ping1d) $(port dvl-a50) > vehicle.toml
-    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config ping360.toml )" +
+    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config patient.toml )" +
       aboard + R"( > aboard.jsonl
     code=$?
     kill -INT $stand_in; wait $stand_in
