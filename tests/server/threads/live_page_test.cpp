@@ -184,7 +184,7 @@ TEST(LivePage, CommandsComeThroughForWhoMayGiveThem) {
   sources.live = std::make_shared<SharedChanges>(items);
   sources.live_span = [] { return TimeSpan{}; };
   sources.token = "correct horse battery";
-  sources.command = [&](PageCommand command) {
+  sources.command = [&](PageCommand command, const std::string& /*by*/) {
     aborted += command == PageCommand::kAbort ? 1 : 0;
     return std::string();
   };
