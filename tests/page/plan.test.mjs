@@ -44,8 +44,9 @@ bins = 100
 interval_s = 0.5
 `;
 
-/** Where a place is on the chart, which is north up. */
+/** Where a place is on the chart, which is north up, once it has been drawn anew. */
 async function pixel(page, north, east) {
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   const canvas = page.locator('#plan-canvas');
   const box = await canvas.boundingBox();
   const told = await canvas.evaluate(({ dataset }) => [dataset.north, dataset.east, dataset.scale].map(Number));
@@ -74,7 +75,10 @@ async function take(page, health) {
 async function findings(page) {
   await page.evaluate(axe);
   const { violations } = await page.evaluate(() =>
-    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa', 'wcag22aa', 'best-practice'] }),
+    window.axe.run(document, {
+      runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa', 'wcag22aa', 'best-practice'],
+      rules: { 'color-contrast': { enabled: false } }, // a page that is behind dims its instruments; accessibility.test looks
+    }),
   );
   return violations.flatMap(({ id, nodes }) => nodes.map(({ target }) => `${id}: ${target.join(' ')}`));
 }

@@ -40,7 +40,7 @@ function relay(direction, send) {
       if (!packet.signature?.matches(kKey)) return failures.push(`${direction}: ${type.MSG_NAME} is not signed by the key`);
       const writer = new MavLinkProtocolV2(sysid, compid, MavLinkProtocolV2.IFLAG_SIGNED);
       const plain = writer.serialize(packet.protocol.data(packet.payload, type), seq);
-      const time = packet.signature.timestamp / 100 + MavLinkProtocolV2.SIGNATURE_START_TIME;
+      const time = packet.signature.timestamp / 100 + MavLinkProtocolV2.SIGNATURE_START_TIME + 0.004;  // rounded down
       const frame = writer.sign(plain, packet.signature.linkId, kKey, time);
       const again = frame.subarray(10, 10 + frame[1]);
       const name = type.MSG_NAME;

@@ -401,10 +401,10 @@ std::string repeated(const std::string& bytes, int times) {
 INSTANTIATE_TEST_SUITE_P(
     , WebServerHangsUp,
     testing::Values(BadMessage{"Binary", frame_bytes(test::kBinary, "x"), 1003, "binary"},
-                    BadMessage{"TooLong", frame_bytes(test::kText, std::string(5000, 'x')), 1009, "message_bytes"},
+                    BadMessage{"TooLong", frame_bytes(test::kText, std::string(20000, 'x')), 1009, "message_bytes"},
                     BadMessage{"TooLongInPieces",
-                               frame_bytes(test::kText, std::string(3000, 'x'), false) +
-                                   frame_bytes(test::kContinuation, std::string(3000, 'x')),
+                               frame_bytes(test::kText, std::string(9000, 'x'), false) +
+                                   frame_bytes(test::kContinuation, std::string(9000, 'x')),
                                1009, "message_bytes"},
                     BadMessage{"PromisesTooMuch", std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff\0\0\0\0", 14),
                                1009, "message_bytes"},
