@@ -80,7 +80,8 @@ class AutopilotLink final : public ByteReceiver {
   [[nodiscard]] std::optional<AutopilotPlan> mission() const;
 
   /// Sends a set-point that answers an event of this time; withholds it without authority, and where the event is more
-  /// than 0.3 s old. Returns whether it was sent.
+  /// than 0.3 s old. Returns whether the thread of the links got it, which withholds it if it has become
+  /// too old by then.
   bool command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers);
   void say(int severity, const std::string& text);
   void show(const mavlink::ObstacleDistance& ring);
