@@ -16,7 +16,7 @@ const count = (page, name) =>
 
 // ledger: S5-59
 test('a simulated mission is seen as it runs, its past as it was, and by two pages alike', async () => {
-  const program = await serve('pandan', '--port', '0', '--speed', '8');
+  const program = await serve('pandan', '--port', '0', '--speed', '4');
   const page = await open(program.url);
   await state(page, 'open');
   await until(page, 12);
