@@ -47,7 +47,7 @@ void PageOptions::add_to(CLI::App& command) {
   command
       .add_option(
           "--token-file", token_file,
-          "File with a token; a page that sends it may hold, resume and abort the mission, and acknowledge alarms")
+          "File with a token; a page that sends it may command: hold, resume, abort, acknowledge alarms, plan missions")
       ->type_name("FILE")
       ->check(reads())
       ->group("Page");
@@ -70,6 +70,26 @@ WebServerConfig PageOptions::server() const {
     set_from_text("server." + limit, sections, "--limit");
   }
   return server;
+}
+
+/// Pages may command and plan.
+void VehiclePage::take_orders() {
+  sources_.command = [this](PageCommand command, const std::string& by) {
+    using Kind = OperatorCommand::Kind;
+    switch (command) {
+      case PageCommand::kHold: return desk_.order({Kind::kHold, nullptr, by});
+      case PageCommand::kResume: return desk_.order({Kind::kResume, nullptr, by});
+      case PageCommand::kAbort: return desk_.order({Kind::kAbort, nullptr, by});
+      case PageCommand::kAcknowledge: return desk_.order({Kind::kAcknowledge, nullptr, by});
+      case PageCommand::kReturn: return desk_.order({Kind::kReturn, nullptr, by});
+    }
+    return std::string();
+  };
+  sources_.planning = {
+      [this](const MissionDraft& draft, const std::string& by) { return desk_.send(draft, by); },
+      [this](const MissionDraft& draft, std::uint64_t session) { return desk_.preview(draft, session); },
+      [this](std::uint64_t session) { return desk_.preview_text(session); }};
+  sources_.handed_over = [this](const std::string& sentence) { desk_.hand_over(sentence); };
 }
 
 std::string place_of(const WebServerConfig& config, int port) {

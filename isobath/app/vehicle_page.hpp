@@ -9,13 +9,12 @@
 #include <isobath/display/display_state.hpp>
 #include <isobath/display/viewer_feed.hpp>
 #include <isobath/recording/recorded_playback.hpp>
+#include <isobath/run/mission_desk.hpp>
 #include <isobath/run/run_request.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace isobath::app {
@@ -39,37 +38,6 @@ struct PageOptions {
 };
 std::string place_of(const WebServerConfig& config, int port);
 
-/// The command of a page that waits for the run, if there is one. Any thread may call it.
-class Orders {
- public:
-  std::string take(PageCommand command) {
-    const std::lock_guard lock(mutex_);
-    if (over_) return "the mission is over";
-    if (order_) return "the previous command is still pending";
-    using Kind = OperatorCommand::Kind;
-    switch (command) {
-      case PageCommand::kHold: order_ = Kind::kHold; break;
-      case PageCommand::kResume: order_ = Kind::kResume; break;
-      case PageCommand::kAbort: order_ = Kind::kAbort; break;
-      case PageCommand::kAcknowledge: order_ = Kind::kAcknowledge; break;
-    }
-    return {};
-  }
-  std::optional<OperatorCommand::Kind> next() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(order_, std::nullopt);
-  }
-  void close() {
-    const std::lock_guard lock(mutex_);
-    over_ = true;
-  }
-
- private:
-  std::mutex mutex_;
-  std::optional<OperatorCommand::Kind> order_;
-  bool over_ = false;
-};
-
 /// Start of the run and its present time, on its own clock.
 inline TimeSpan span_of(const DisplayState& items) {
   const auto [first, last] = items.times();
@@ -85,7 +53,7 @@ class VehiclePage {
   ~VehiclePage() = default;
 
   [[nodiscard]] RunWatch watch(double speed) {
-    return {&items_, speed, [] { return is_interrupted(); }, [this] { return orders_.next(); }, &viewers_};
+    return {&items_, speed, [] { return is_interrupted(); }, [this] { return desk_.next(); }, &desk_, &viewers_};
   }
   /// Sources of the page; throws Error as check_page_sources.
   const PageSources& sources(const std::filesystem::path& record, const std::string& token, double speed) {
@@ -94,7 +62,7 @@ class VehiclePage {
     sources_.over = [this] { return over_.load(); };
     sources_.open_playback = [record] { return std::make_unique<RecordedPlayback>(record); };
     sources_.token = token;
-    if (!token.empty()) sources_.command = [this](PageCommand command) { return orders_.take(command); };
+    if (!token.empty()) take_orders();
     sources_.version = ISOBATH_VERSION;
     sources_.run = std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
     sources_.speed = speed;
@@ -103,15 +71,17 @@ class VehiclePage {
     return sources_;
   }
   void close() {
-    orders_.close();
+    desk_.close();
     over_ = true;
   }
 
  private:
+  void take_orders();
+
   DisplayState items_;
   SharedChanges shared_{items_};
   ViewerFeed viewers_;
-  Orders orders_;
+  MissionDesk desk_;
   std::atomic<bool> over_{false};
   PageSources sources_;
 };

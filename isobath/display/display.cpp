@@ -46,6 +46,7 @@ ordered_json mission_points(const MissionPlan& plan) {
     // Lanes are sailed in the order of the Commodore.
     if (area.on() && (i >= area.all_stations() || i % area.stations() == 0)) point["apart"] = true;
     if (!p.task.empty()) point["task"] = p.task;
+    if (p.speed > 0) point["speed"] = p.speed;
     if (p.altitude_m) {
       point["altitude_m"] = tidy_m(*p.altitude_m);
     } else {
@@ -86,6 +87,8 @@ void Display::show(Time time, const DisplayScene& scene) {
   if (scene.plan) {
     if (!scene.plan->fence.empty()) json["fence"] = outline_json(scene.plan->fence);
     json["mission"] = mission_points(*scene.plan);
+    json["mission_number"] = scene.mission;
+    json["mission_speed"] = scene.plan->speed;
     if (scene.plan->group.size() > 1) {
       ordered_json names = ordered_json::array();
       for (const GroupMember& member : scene.plan->group) names.push_back(member.name);

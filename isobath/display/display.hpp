@@ -39,6 +39,7 @@ struct DisplayScene {
   bool simulated = false;
   std::optional<GeoOrigin> origin;
   std::optional<MissionPlan> plan;
+  std::uint32_t mission = 0;  ///< number of the missions that replaced the first one
   std::vector<ChartObstacle> charted;
   std::vector<TrueBody> bodies;  ///< ground truth
   double vehicle_length_m = 1.6, vehicle_radius_m = 0.36, safe_m = 0;

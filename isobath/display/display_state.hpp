@@ -46,7 +46,8 @@ enum class DisplayKind : std::uint8_t {
   kSounds,
   kLevels,
   kPartner,
-  kPacked,  ///< on the way to a page only, no item: records that are packed (docs/live-page.md)
+  kPacked,   ///< on the way to a page only, no item: records that are packed (docs/live-page.md)
+  kPreview,  ///< to one page only, no item: the answer to its preview of a mission
 };
 inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kPartner;
 

@@ -2,7 +2,7 @@
 // schema the viewer knows. A run writes, the server's sessions read; any thread may call any function.
 //
 // A channel keeps its newest message alone, so that a slow viewer misses messages and does not fall behind; a channel
-// of events, such as a log, keeps the newest kEvents. The run gives topics and schemas; there are few.
+// of events, such as a log, keeps the newest kEvents. A run has few topics and schemas.
 #pragma once
 
 #include <cstdint>

@@ -223,7 +223,9 @@ bool AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     target.boot_ms = milliseconds(answers.time_since_epoch() + *boot_);
     target.system = system_;
   }
-  hub_->post([this, body = target.body()] { send(VelocityTarget::kId, body); });
+  hub_->post([this, body = target.body(), answers] {
+    if (releases_setpoint(hub_->now(), answers)) send(VelocityTarget::kId, body);
+  });
   return true;
 }
 

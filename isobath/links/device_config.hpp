@@ -46,7 +46,7 @@ struct DeviceConfig {
   [[nodiscard]] bool scans() const { return kind == DeviceKind::kPing360 || kind == DeviceKind::kMicron; }
   /// Whether it gives pings.
   [[nodiscard]] bool images() const { return scans() || kind == DeviceKind::kOculus; }
-  /// Of the origin of the device in the body.
+  /// Place of the device's origin in the body, m.
   [[nodiscard]] Eigen::Vector3d position() const { return {position_m[0], position_m[1], position_m[2]}; }
   /// Looks as a command has it; what it leaves open stays. `configured`: as in the vehicle file.
   void take(const ScanCommand& command, const DeviceConfig& configured);

@@ -51,8 +51,14 @@ bool FrontSeat::admits_setpoint(Time now, Time answers, bool ready) {
   }
   if (now - setpoint_ < kSetpointInterval) return false;
   setpoint_ = now;
-  ++counts_.setpoints;
   return true;
+}
+
+bool FrontSeat::releases_setpoint(Time now, Time answers) {
+  const std::lock_guard lock(mutex_);
+  const bool goes = authority_at(now) == Authority::kOurs && now - answers <= kMaxAnswerAge;
+  ++(goes ? counts_.setpoints : counts_.withheld);
+  return goes;
 }
 
 void FrontSeat::tell_refused(SourceReport& report) {

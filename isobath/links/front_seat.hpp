@@ -85,7 +85,8 @@ class FrontSeat : public ByteReceiver {
   /// As a plan of QGroundControl. Empty while it is being fetched. Throws Error if the front seat does not give it.
   [[nodiscard]] virtual std::optional<std::string> mission() const { return std::nullopt; }
 
-  /// Sends a set-point that answers an event of this time, or withholds it. Returns whether it was sent.
+  /// Gives a set-point that answers an event of this time to the thread of the links, or withholds it. Returns whether
+  /// that thread got it; it withholds what has become too old by then.
   virtual bool command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers) = 0;
   /// A line for people. `severity`: as in MAVLink; 4 warning, 6 information.
   virtual void say(int severity, const std::string& text) = 0;
@@ -103,8 +104,10 @@ class FrontSeat : public ByteReceiver {
 
  protected:
   [[nodiscard]] virtual Authority authority_at(Time now) const = 0;  ///< under mutex_
-  /// Whether a set-point goes out now, and counts it; under mutex_. `ready`: all that it needs is known.
+  /// Whether a set-point may go out; under mutex_. `ready`: all that it needs is known.
   bool admits_setpoint(Time now, Time answers, bool ready);
+  /// Whether a set-point still may, as it goes out, and counts it. In the thread of the links.
+  bool releases_setpoint(Time now, Time answers);
   /// Tells the run what was not understood since the last call. In the thread of the links.
   void tell_refused(SourceReport& report);
 

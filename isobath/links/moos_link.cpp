@@ -52,6 +52,7 @@ void MoosLink::on_open(Time time) {
   stage_ = Stage::kGreeted;
   frames_ = FrameStream(moos_frame_at);
   outbox_.clear();
+  command_.reset();
   readings_ = {};
   stop_ = Stop::kNone;
   {
@@ -111,7 +112,7 @@ void MoosLink::on_answer(const std::vector<MoosMessage>& messages, Time time) {
   if (stage_ != Stage::kTalking) return;
   if (!greeted) on_state();
   give_fix(time);
-  if (!outbox_.empty()) send_next(time);
+  if (!outbox_.empty() || command_) send_next(time);
 }
 
 void MoosLink::on_welcome(const MoosMessage& message, Time time) {
@@ -263,7 +264,23 @@ void MoosLink::put(MoosMessage message, bool replaces) {
   outbox_.push_back(std::move(message));
 }
 
+void MoosLink::put_setpoint(Time now) {
+  if (!command_) return;
+  const auto [setpoint, answers] = *std::exchange(command_, std::nullopt);
+  if (!releases_setpoint(now, answers)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    steered_ = true;
+  }
+  stop_ = Stop::kNone;
+  const double time_s = database_s(answers);
+  put(moos_number("DESIRED_HEADING", setpoint.heading.wrapped_positive().degrees(), time_s));
+  put(moos_number(kSpeedKey, std::max(0.0, setpoint.speed), time_s));
+  put(moos_number("DESIRED_DEPTH", std::max(0.0, setpoint.depth), time_s));
+}
+
 void MoosLink::send_next(Time now) {
+  put_setpoint(now);
   if (outbox_.empty()) outbox_.emplace_back();  // the null message only asks for an answer
   if (stop_ == Stop::kWaits) stop_ = Stop::kSent;
   link_->send(moos_packet(outbox_));
@@ -295,10 +312,10 @@ void MoosLink::on_tick(Time now) {
     if (steered_ && held != Authority::kOurs && stop_ == Stop::kNone) stop_ = Stop::kWaits;
   }
   if (stop_ == Stop::kWaits) {
-    std::erase_if(outbox_, [](const MoosMessage& waiting) { return waiting.key.starts_with("DESIRED_"); });
+    command_.reset();
     put(moos_number(kSpeedKey, 0, database_s(now)));
   }
-  if (!waits_ && (!outbox_.empty() || now - sent_ >= kPollInterval)) send_next(now);
+  if (!waits_ && (!outbox_.empty() || command_ || now - sent_ >= kPollInterval)) send_next(now);
 }
 
 bool MoosLink::command(const Setpoint& setpoint, const VehicleParameters& /*limits*/, Time answers) {
@@ -308,16 +325,7 @@ bool MoosLink::command(const Setpoint& setpoint, const VehicleParameters& /*limi
   }
   hub_->post([this, setpoint, answers] {
     if (stage_ != Stage::kTalking) return;
-    {
-      const std::lock_guard lock(mutex_);
-      if (authority_at(hub_->now()) != Authority::kOurs) return;  // it has ended meanwhile
-      steered_ = true;
-    }
-    stop_ = Stop::kNone;
-    const double time_s = database_s(answers);
-    put(moos_number("DESIRED_HEADING", setpoint.heading.wrapped_positive().degrees(), time_s));
-    put(moos_number(kSpeedKey, std::max(0.0, setpoint.speed), time_s));
-    put(moos_number("DESIRED_DEPTH", std::max(0.0, setpoint.depth), time_s));
+    command_ = Command{setpoint, answers};
     if (!waits_) send_next(hub_->now());
   });
   return true;

@@ -70,6 +70,8 @@ class MoosLink final : public FrontSeat {
   /// Puts a message in the place of those of its variable that wait, or behind them.
   void put(MoosMessage message, bool replaces = true);
   void send_next(Time now);
+  /// Puts the set-point that waits into the outbox, unless it has become too old or the pilot has taken over.
+  void put_setpoint(Time now);
   [[nodiscard]] double database_s(Time time) const;  ///< what the clock of the database shows
   [[nodiscard]] Authority authority_at(Time now) const override;
 
@@ -81,6 +83,11 @@ class MoosLink final : public FrontSeat {
   bool waits_ = false;  ///< for the answer to the last packet
   Time sent_{}, health_{};
   std::vector<MoosMessage> outbox_;
+  struct Command {
+    Setpoint setpoint;
+    Time answers;
+  };
+  std::optional<Command> command_;  ///< the newest that is not yet in a packet
   std::int32_t number_ = 0;
   std::array<Reading, kValues> readings_{};
   Stop stop_ = Stop::kNone;

@@ -118,11 +118,16 @@ Content content_of(const SonarOrder& m) {
   return content;
 }
 Content content_of(const OperatorCommand& m) {
-  static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat", "acknowledge"};
-  return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
+  static constexpr const char* kNames[] = {"start",       "abort",       "hold",   "resume",   "beat",
+                                           "acknowledge", "new mission", "return", "hand over"};
+  Content content{{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
+  if (!m.by.empty()) content["by"] = m.by;
+  return content;
 }
 Content content_of(const MissionOrder& m) {
-  return {{"order", to_text(m.kind)}, {"plan", plan_content(m.plan)}, {"end", to_text(m.end)}, {"why", m.why}};
+  Content content{{"order", to_text(m.kind)}, {"plan", plan_content(m.plan)}, {"end", to_text(m.end)}, {"why", m.why}};
+  if (m.replaces) content["replaces"] = true;
+  return content;
 }
 Content content_of(const VisitOrder& m) {
   return {{"version", m.version}, {"points", m.points}, {"last", m.last}, {"given_up", m.given_up}, {"why", m.why}};

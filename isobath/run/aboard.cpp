@@ -60,8 +60,13 @@ void Aboard::on_scan(const ScanResult& scan) {
   around_ = std::move(around);
 }
 
-void Aboard::order(OperatorCommand::Kind kind) {
-  console_.command({kind, kind == OperatorCommand::Kind::kStart ? plan_ : nullptr});
+void Aboard::order(OperatorCommand command) {
+  using Kind = OperatorCommand::Kind;
+  if (command.kind == Kind::kStart) command.plan = plan_;
+  console_.command(command);
+  if (command.kind != Kind::kNewMission && command.kind != Kind::kReturn) return;
+  started_ = true;
+  if (!ours_) console_.command({Kind::kHold});
 }
 
 void Aboard::speak_for_operator(Helm& helm, Time now) {
@@ -71,9 +76,9 @@ void Aboard::speak_for_operator(Helm& helm, Time now) {
   const bool ours = authority == Authority::kOurs;
   if (ours != std::exchange(ours_, ours)) {
     if (ours && !std::exchange(started_, true)) {
-      order(Kind::kStart);
+      order({Kind::kStart});
     } else if (started_) {
-      order(ours ? Kind::kResume : Kind::kHold);
+      order({ours ? Kind::kResume : Kind::kHold});
     }
   }
   for (FrameBytes& bytes : console_.due(now)) links_.source().give(OperatorFrame{now, std::move(bytes)});

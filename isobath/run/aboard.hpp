@@ -46,8 +46,9 @@ class Aboard final : public OnboardObserver {
   void on_scan(const ScanResult& scan) override;
   void on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) override;
 
-  /// An order of the page.
-  void order(OperatorCommand::Kind kind);
+  /// An order of the page. A new mission takes the place of the one that waits to start; while the autopilot does not
+  /// give the controls away, the vehicle holds.
+  void order(OperatorCommand command);
   /// Gives the operator's frames to the run, and takes the helm's answers.
   void speak_for_operator(Helm& helm, Time now);
   void steer(const Setpoint& setpoint, Time answers);

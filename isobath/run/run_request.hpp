@@ -11,13 +11,16 @@
 
 namespace isobath {
 
+class MissionDesk;
+
 /// A page that watches a run from other threads. The functions must not block.
 struct RunWatch {
   DisplayState* display = nullptr;  ///< filled during the run
   double speed = 0;                 ///< maximum, times real time; 0: no limit, or as live_speed says
   std::function<bool()> stopped;    ///< called before each event: whether to end here, as if the input ended
-  /// Called before each event of a simulated mission: an order from the page, if there is one.
-  std::function<std::optional<OperatorCommand::Kind>()> ordered;
+  /// Called before each event of a mission: an order from the page, if there is one.
+  std::function<std::optional<OperatorCommand>()> ordered;
+  MissionDesk* desk = nullptr;    ///< hears the agents, so that the page can plan; null: it cannot
   ViewerFeed* viewers = nullptr;  ///< filled during the run, for viewers of other makers
 };
 

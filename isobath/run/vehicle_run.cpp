@@ -3,6 +3,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/run/aboard.hpp>
 #include <isobath/run/log_identity.hpp>
+#include <isobath/run/mission_desk.hpp>
 #include <isobath/run/mission_input.hpp>
 #include <isobath/run/run_outputs.hpp>
 #include <isobath/run/run_results.hpp>
@@ -119,6 +120,9 @@ VehicleRun::VehicleRun(const RunRequest& asked)
   if (request_.live_speed.value_or(0) > 0) cycles_.emplace(*request_.live_speed);
   invite_observers();
   if (request_.watch) watched_.emplace(*request_.watch);
+  if (setup_) in_force_.begin(setup_->plan);
+  const bool steers = setup_ && (input_.simulated() || request_.aboard);
+  if (steers && desk()) desk()->open(*setup_, request_.configuration.mission);
   if (request_.has_real_threads()) {
     live_datum_ = depths_.continues() ? depths_.facts().datum : request_.configuration.prior.datum;
   }
@@ -172,6 +176,8 @@ void VehicleRun::invite_observers() {
   helm_->show_messages_to([this](const Envelope& envelope) {
     notes_.on_message(envelope);
     levels_.on_message(envelope);
+    in_force_.on_message(envelope);
+    if (desk()) desk()->on_message(envelope);
     if (cycles_ && std::holds_alternative<HelmOrder>(envelope.message)) cycles_->note();
     if (display_.on()) display_.on_message(envelope);
   });
@@ -270,7 +276,7 @@ bool VehicleRun::take(Event event) {
   if (setup_ && is_first) check_frame(setup_->plan, input_.origin());
   if (watched_ && !watched_->keep(time)) return false;
   if (SimulatedSource* simulated = input_.simulated(); simulated && watched_ && setup_ && request_.watch->ordered) {
-    if (const auto order = request_.watch->ordered()) simulated->order(*order, setup_->plan);
+    if (auto order = request_.watch->ordered()) simulated->order(*std::move(order), setup_->plan);
   }
   onboard_.on_event(std::move(event));
   if (live_ && live_->keep(onboard_)) display_.settle();
@@ -308,7 +314,7 @@ bool VehicleRun::steer() {
 void VehicleRun::steer_aboard(const Setpoint& setpoint) {
   Aboard& aboard = *request_.aboard;
   if (request_.watch && request_.watch->ordered) {
-    if (const auto order = request_.watch->ordered()) aboard.order(*order);
+    if (auto order = request_.watch->ordered()) aboard.order(*std::move(order));
   }
   aboard.speak_for_operator(*helm_, last_);
   aboard.steer(setpoint, last_);
@@ -333,7 +339,9 @@ void VehicleRun::show_scene(Time time) {
   const Simulator* simulator = input_.simulator();
   const auto bodies = simulator ? simulator->world().bodies() : std::span<const WorldBody>();
   const bool moved = std::any_of(bodies.begin(), bodies.end(), [](const WorldBody& body) { return body.moves; });
-  if (scene_ && !moved && scene_->origin == origin && scene_->depth_datum == datum) return;
+  const MissionInForce::Given given = in_force_.given();
+  const bool same = scene_ && scene_->mission == given.number && scene_->origin == origin;
+  if (same && !moved && scene_->depth_datum == datum) return;
   if (!scene_) {
     scene_.emplace();
     scene_->source = request_.input.empty() ? "embedded scene" : request_.input.filename().string();
@@ -341,7 +349,6 @@ void VehicleRun::show_scene(Time time) {
     scene_->safe_m = request_.configuration.mission.route.clearance_m;
     scene_->simulated = simulator != nullptr;
     if (setup_) {
-      scene_->plan = setup_->plan;
       if (!setup_->plan.title.empty()) scene_->title = setup_->plan.title;
       if (setup_->chart.objects) scene_->charted = *setup_->chart.objects;
       scene_->vehicle_length_m = 2 * setup_->vehicle.hull_radius_m;
@@ -350,6 +357,8 @@ void VehicleRun::show_scene(Time time) {
       scene_->title = simulator->scene().about.title;
     }
   }
+  if (given.plan) scene_->plan = *given.plan;
+  scene_->mission = given.number;
   scene_->origin = origin;
   scene_->depth_datum = datum;
   if (simulator) scene_->bodies = outlines_of(simulator->world());
@@ -358,7 +367,7 @@ void VehicleRun::show_scene(Time time) {
 
 MissionOutcome VehicleRun::mission_outcome() {
   MissionOutcome mission;
-  mission.plan = setup_->plan;
+  mission.plan = *in_force_.given().plan;
   mission.report = helm_->progress();
   mission.decisions = helm_->decisions();
   mission.believed = notes_.believed();

@@ -7,6 +7,7 @@
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/cycle_watch.hpp>
 #include <isobath/run/level_notes.hpp>
+#include <isobath/run/mission_in_force.hpp>
 #include <isobath/run/mission_notes.hpp>
 #include <isobath/run/moving_fan.hpp>
 #include <isobath/run/run_display.hpp>
@@ -53,6 +54,8 @@ class VehicleRun final : public SteppedRun {
   bool steer();
   void steer_aboard(const Setpoint& setpoint);
   [[nodiscard]] bool is_live() const { return request_.has_real_threads(); }
+  /// Null: no page plans.
+  [[nodiscard]] MissionDesk* desk() const { return request_.watch ? request_.watch->desk : nullptr; }
   /// Notes the commands to the actuators, once a cycle of the executors (S2-39).
   void note_servo(Time time);
   void show(Time time);
@@ -79,6 +82,7 @@ class VehicleRun final : public SteppedRun {
   std::optional<MapDelayScorer> map_judge_;
   std::optional<GroundTruthTrajectory> track_;
   MissionNotes notes_;
+  MissionInForce in_force_;
   LevelNotes levels_{request_.configuration.mission.timing};
   std::optional<Time> servo_due_;  ///< of the next note of the actuators
   RunDisplay display_;

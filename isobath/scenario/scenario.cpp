@@ -182,10 +182,10 @@ void SimulatedSource::add_operator(const std::vector<OperatorOrder>& orders, con
   if (!orders.empty()) operator_.emplace(orders, std::make_shared<const MissionPlan>(plan), simulator_.seed());
 }
 
-void SimulatedSource::order(OperatorCommand::Kind command, const MissionPlan& plan) {
+void SimulatedSource::order(OperatorCommand command, const MissionPlan& plan) {
   if (!operator_)
     operator_.emplace(std::vector<OperatorOrder>{}, std::make_shared<const MissionPlan>(plan), simulator_.seed());
-  operator_->order(command);
+  operator_->order(std::move(command));
 }
 
 void SimulatedSource::answer(const std::vector<FrameBytes>& frames) {

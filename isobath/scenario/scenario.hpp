@@ -79,7 +79,7 @@ class SimulatedSource : public Source {
   /// Adds an operator with timed orders; without orders there is no operator. `plan`: the plan of a start order.
   void add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan);
   /// An operator gives this order now; without an operator, one is added.
-  void order(OperatorCommand::Kind command, const MissionPlan& plan);
+  void order(OperatorCommand command, const MissionPlan& plan);
   /// A packet from another vehicle arrives.
   void hear(OperatorFrame frame) { told_.emplace_back(std::move(frame)); }
   /// Frames that the vehicle sends to the operator now.

@@ -31,8 +31,9 @@ SimulatedOperator::SimulatedOperator(std::vector<OperatorOrder> orders, std::sha
                    [](const OperatorOrder& a, const OperatorOrder& b) { return a.at_s < b.at_s; });
 }
 
-void SimulatedOperator::order(OperatorCommand::Kind command) {
-  console_.command({command, command == OperatorCommand::Kind::kStart ? plan_ : nullptr});
+void SimulatedOperator::order(OperatorCommand command) {
+  if (command.kind == OperatorCommand::Kind::kStart) command.plan = plan_;
+  console_.command(command);
 }
 
 bool SimulatedOperator::loses(const FaultSchedule& faults, Time now) {
@@ -45,7 +46,7 @@ bool SimulatedOperator::loses(const FaultSchedule& faults, Time now) {
 
 std::vector<OperatorFrame> SimulatedOperator::due(const FaultSchedule& faults, Time now) {
   while (!orders_.empty() && orders_.front().at_s <= to_seconds(now)) {
-    order(orders_.front().command);
+    order({orders_.front().command});
     orders_.erase(orders_.begin());
   }
   std::vector<OperatorFrame> arrived;

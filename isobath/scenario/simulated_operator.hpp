@@ -36,8 +36,8 @@ class SimulatedOperator {
   /// `plan`: the plan that a start order starts.
   SimulatedOperator(std::vector<OperatorOrder> orders, std::shared_ptr<const MissionPlan> plan, std::uint64_t seed);
 
-  /// Adds an order; the next frames carry it.
-  void order(OperatorCommand::Kind command);
+  /// Adds an order; the next frames carry it. A start starts the operator's own plan.
+  void order(OperatorCommand command);
   /// Returns the frames that reach the vehicle now.
   std::vector<OperatorFrame> due(const FaultSchedule& faults, Time now);
   /// Takes the frames that the vehicle sends now.

@@ -119,6 +119,11 @@ bool HttpConnection::may_open(std::string_view origin, const WebSite::Socket& wa
   return wanted.foreign && std::ranges::find(hub_.viewer_origins, origin) != hub_.viewer_origins.end();
 }
 
+/// Who may show the page in a frame, for the browser.
+std::string HttpConnection::framers() const {
+  return hub_.frame_origins.empty() ? "'none'" : fmt::format("{}", fmt::join(hub_.frame_origins, " "));
+}
+
 HttpConnection::Response HttpConnection::response_of(http::status status, std::string_view type,
                                                      std::string_view cache) const {
   Response response{status, 11};
@@ -129,10 +134,10 @@ HttpConnection::Response HttpConnection::response_of(http::status status, std::s
   response.set("Content-Security-Policy",
                fmt::format("default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
                            "img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' blob:; "
-                           "connect-src 'self'{}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-                           host_.empty() ? "" : fmt::format(" ws://{0} wss://{0}", host_)));
+                           "connect-src 'self'{}; base-uri 'none'; form-action 'none'; frame-ancestors {}",
+                           host_.empty() ? "" : fmt::format(" ws://{0} wss://{0}", host_), framers()));
   response.set("X-Content-Type-Options", "nosniff");
-  response.set("X-Frame-Options", "DENY");
+  if (hub_.frame_origins.empty()) response.set("X-Frame-Options", "DENY");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set("Cross-Origin-Resource-Policy", "same-origin");

@@ -30,6 +30,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void report(bool health);
   void upgrade(http::request<http::empty_body> request, const WebSite::Socket& wanted);
   [[nodiscard]] bool may_open(std::string_view origin, const WebSite::Socket& wanted) const;
+  [[nodiscard]] std::string framers() const;
   Response response_of(http::status status, std::string_view type, std::string_view cache) const;
   void refuse(http::status status, std::string_view reason);
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/server/page_draft.hpp>
 #include <isobath/server/page_request.hpp>
 #include <nlohmann/json.hpp>
 
@@ -18,10 +19,11 @@ struct AskRule {
   double least = 0, most = 0;
   bool whole = false;
   const char* word = nullptr;  ///< key of a text
+  bool draft = false;          ///< whether it has a draft of a mission
 };
 constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxFrame = 9e15;  // a double holds it
-constexpr std::array<AskRule, 10> kRules{{
+constexpr std::array<AskRule, 13> kRules{{
     {"play", Ask::kPlay},
     {"pause", Ask::kPause},
     {"speed", Ask::kSpeed, "times", 0.1, 100},
@@ -29,7 +31,10 @@ constexpr std::array<AskRule, 10> kRules{{
     {"step", Ask::kStep, "steps", -1000, 1000, true},
     {"live", Ask::kLive},
     {"control", Ask::kControl, nullptr, 0, 0, false, "token"},
+    {"release", Ask::kRelease},
     {"command", Ask::kCommand, nullptr, 0, 0, false, "command"},
+    {"preview", Ask::kPreview, nullptr, 0, 0, false, nullptr, true},
+    {"mission", Ask::kMission, nullptr, 0, 0, false, nullptr, true},
     {"detail", Ask::kDetail, nullptr, 0, 0, false, "voxels"},
     {"seen", Ask::kSeen, "frame", 0, kMaxFrame, true},
 }};
@@ -55,8 +60,8 @@ Result<PageRequest, BadRequest> page_request_of(std::string_view text) {
 
   const auto rule = std::find_if(kRules.begin(), kRules.end(), [&](const AskRule& r) { return asked == r.name; });
   if (rule == kRules.end()) return refused("unknown");
-  if (message.size() != (rule->number || rule->word ? 2u : 1u)) return refused("wrong keys");
-  PageRequest request{rule->ask, 0, {}};
+  if (message.size() != (rule->number || rule->word || rule->draft ? 2u : 1u)) return refused("wrong keys");
+  PageRequest request{rule->ask};
   if (rule->number) {
     const auto number = message.find(rule->number);
     if (number == message.end() || !number->is_number()) return refused(fmt::format("no number {}", rule->number));
@@ -72,6 +77,13 @@ Result<PageRequest, BadRequest> page_request_of(std::string_view text) {
     const auto word = message.find(rule->word);
     if (word == message.end() || !word->is_string()) return refused(fmt::format("no text {}", rule->word));
     request.word = word->get<std::string>();
+  }
+  if (rule->draft) {
+    const auto draft = message.find("draft");
+    if (draft == message.end()) return refused("no draft");
+    auto read = draft_of(*draft);
+    if (!read) return refused(std::move(read.error()));
+    request.draft = *std::move(read);
   }
   return request;
 }

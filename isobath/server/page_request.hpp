@@ -5,16 +5,32 @@
 #pragma once
 
 #include <isobath/base/error.hpp>
+#include <isobath/mission/plan/mission_draft.hpp>
 #include <string>
 #include <string_view>
 
 namespace isobath {
 
 struct PageRequest {
-  enum class Ask { kPlay, kPause, kSpeed, kSeek, kStep, kLive, kControl, kCommand, kDetail, kSeen };
+  enum class Ask {
+    kPlay,
+    kPause,
+    kSpeed,
+    kSeek,
+    kStep,
+    kLive,
+    kControl,
+    kRelease,
+    kCommand,
+    kPreview,
+    kMission,
+    kDetail,
+    kSeen
+  };
   Ask ask = Ask::kPlay;
-  double number = 0;  ///< times, s, steps or frame
-  std::string word;   ///< token, command or detail
+  double number = 0;        ///< times, s, steps or frame
+  std::string word = {};    ///< token, command or detail
+  MissionDraft draft = {};  ///< of a preview or a mission; in range, not checked as a mission
 };
 
 struct BadRequest {

@@ -35,11 +35,23 @@ void check_page_sources(const PageSources& sources) {
 }
 
 PageSession::PageSession(const PageSources& sources, bool paced)
-    : sources_(sources), live_(sources.live != nullptr), last_refusal_(sources.clock()) {
+    : sources_(sources),
+      live_(sources.live != nullptr),
+      number_(++sources.seat->sessions),
+      last_refusal_(sources.clock()) {
   if (paced) paced_.emplace().opened = sources_.clock();
   if (live_) return;
   playback_ = sources_.open_playback();
   put_playhead(playback_->span().start);
+}
+
+PageSession::~PageSession() {
+  if (has_command()) give_command_up("has closed or lost its connection");
+}
+
+void PageSession::on_client(const std::string& address) {
+  constexpr std::string_view kMapped = "::ffff:";
+  name_ = "the page at " + (address.starts_with(kMapped) ? address.substr(kMapped.size()) : address);
 }
 
 Hearing PageSession::refuse(const BadRequest& refusal, std::string_view reason, bool hang_up) {
@@ -66,7 +78,10 @@ Hearing PageSession::follow(const PageRequest& request) {
   voxels_next_ = false;  // the answer to the request comes first
   switch (request.ask) {
     case Ask::kControl: return control(request.word);
+    case Ask::kRelease: return release();
     case Ask::kCommand: return command(request.word);
+    case Ask::kPreview:
+    case Ask::kMission: return plan(request);
     case Ask::kDetail: return detail(request.word);
     case Ask::kPlay:
       if (!live_) return play(true);
@@ -120,20 +135,48 @@ Hearing PageSession::control(const std::string& token) {
     ++wrong_tokens_;
     return refuse({"control", "that is not the token"}, "token", wrong_tokens_ >= kWrongTokens);
   }
-  control_ = true;
+  if (has_command()) return {};
+  CommandSeat& seat = *sources_.seat;
+  const std::string from = seat.holder ? ", which it takes over from " + seat.by : "";
+  const double since_s = sources_.live ? to_seconds(sources_.live_span().end - start()) : 0;
+  seat = {this, name_, since_s, seat.sessions};
+  if (sources_.handed_over) sources_.handed_over(name_ + " has command" + from);
   return {};
+}
+
+void PageSession::give_command_up(const std::string& how) {
+  sources_.seat->holder = nullptr;
+  if (sources_.handed_over) sources_.handed_over(name_ + " " + how + "; no page has command");
+}
+
+Hearing PageSession::release() {
+  if (!has_command()) return refuse({"release", "this page does not have command"}, "no_control");
+  give_command_up("has given command up");
+  return {};
+}
+
+/// Checks and plans the draft, or gives it to the vehicle.
+Hearing PageSession::plan(const PageRequest& request) {
+  const bool sends = request.ask == Ask::kMission;
+  const char* const what = sends ? "mission" : "preview";
+  if (!has_command()) return refuse({what, "this page does not have command"}, "no_control");
+  if (!sources_.planning) return refuse({what, "this run has no mission that a page can plan"}, "no_control");
+  const std::string why =
+      sends ? sources_.planning->send(request.draft, name_) : sources_.planning->preview(request.draft, number_);
+  return why.empty() ? Hearing{} : refuse({what, why}, what);
 }
 
 Hearing PageSession::command(const std::string& word) {
   static const std::pair<const char*, PageCommand> kWords[] = {{"hold", PageCommand::kHold},
                                                                {"resume", PageCommand::kResume},
                                                                {"abort", PageCommand::kAbort},
-                                                               {"acknowledge", PageCommand::kAcknowledge}};
-  if (!control_) return refuse({"command", "this page may not command"}, "no_control");
+                                                               {"acknowledge", PageCommand::kAcknowledge},
+                                                               {"return", PageCommand::kReturn}};
+  if (!has_command()) return refuse({"command", "this page may not command"}, "no_control");
   const auto* found = std::find_if(std::begin(kWords), std::end(kWords), [&](auto& w) { return word == w.first; });
   if (found == std::end(kWords))
-    return refuse({"command", "the command must be hold, resume, abort or acknowledge"}, "ask");
-  const std::string why = sources_.command(found->second);
+    return refuse({"command", "the command must be hold, resume, abort, acknowledge or return"}, "ask");
+  const std::string why = sources_.command(found->second, name_);
   return why.empty() ? Hearing{} : refuse({word, why}, "command");
 }
 
@@ -228,7 +271,11 @@ std::string PageSession::clock_text() const {
                        {"playing", live_ ? runs() : playing_}, {"speed", live_ ? sources_.speed.value_or(1) : speed_},
                        {"version", sources_.version}};
   if (!sources_.run.empty()) clock["run"] = sources_.run;
-  if (!sources_.token.empty()) clock["control"] = control_;
+  if (!sources_.token.empty()) clock["control"] = has_command();
+  if (sources_.planning) clock["plans"] = true;
+  if (const CommandSeat& seat = *sources_.seat; seat.holder) {
+    clock["command"] = {{"by", seat.by}, {"since_s", rounded_ms(seconds(seat.since_s))}};
+  }
   if (sources_.live && !runs()) clock["over"] = true;
   if (sources_.live) clock["live_s"] = rounded_ms(sources_.live_span().end - from);
   return clock.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -287,6 +334,9 @@ WebFrame PageSession::next_unpacked() {
 void PageSession::add_answers(std::string& out, Time now) {
   for (const std::string& answer : answers_) append_record(out, DisplayKind::kRefusal, 0, now, answer);
   answers_.clear();
+  if (!sources_.planning) return;
+  if (const auto preview = sources_.planning->answer(number_))
+    append_record(out, DisplayKind::kPreview, 0, now, *preview);
 }
 
 double PageSession::session_s() const {

@@ -19,6 +19,9 @@
 // refusals (one is forgiven per second) or after kWrongTokens wrong tokens. Commands need the token; its comparison
 // takes the same time wherever a wrong token differs. Without a token there are no commands.
 //
+// At most one page has command. A page with the token takes it over from the one that has it; the other reads in its
+// clock who has it now. A session that ends gives command up. Only the page with command may plan.
+//
 // One thread, that of the server. The clock is a parameter, so that a test can set it.
 #pragma once
 
@@ -38,7 +41,26 @@
 
 namespace isobath {
 
-enum class PageCommand { kHold, kResume, kAbort, kAcknowledge };
+enum class PageCommand { kHold, kResume, kAbort, kAcknowledge, kReturn };
+
+class PageSession;
+
+/// Which page of a vehicle has command: at most one. The sessions share it; the server's thread uses it.
+struct CommandSeat {
+  const PageSession* holder = nullptr;
+  std::string by;              ///< "the page at 192.168.2.7"
+  double since_s = 0;          ///< on the clock of the run
+  std::uint64_t sessions = 0;  ///< so far
+};
+
+/// How pages plan the mission of a run. The functions must not block. Those that return a text say why they refuse;
+/// empty: they do not.
+struct PagePlanning {
+  std::function<std::string(const MissionDraft&, const std::string& by)> send;
+  std::function<std::string(const MissionDraft&, std::uint64_t session)> preview;
+  /// The answer to the preview of this session, as JSON, once.
+  std::function<std::optional<std::string>(std::uint64_t session)> answer;
+};
 
 /// What the pages of a server show. At least one of `live` and `open_playback` must be set.
 struct PageSources {
@@ -48,7 +70,10 @@ struct PageSources {
   /// Null: nothing is recorded. Must be cheap; expensive parts are shared between pages.
   std::function<std::unique_ptr<Playback>()> open_playback = {};
   /// Returns why the command was refused; empty: it was accepted. Must not block. Null: no commands.
-  std::function<std::string(PageCommand)> command = {};
+  std::function<std::string(PageCommand, const std::string& by)> command = {};
+  std::optional<PagePlanning> planning = {};                 ///< empty: pages cannot plan
+  std::function<void(const std::string&)> handed_over = {};  ///< a sentence that says who has command now
+  std::shared_ptr<CommandSeat> seat = std::make_shared<CommandSeat>();
   std::string token = {};            ///< gives the right to command; empty: no page has it
   std::string version = {};          ///< a page of another version should reload
   std::string run = {};              ///< differs from that of any other run; empty: the recording tells it
@@ -84,7 +109,10 @@ class PageSession final : public WebSession {
   /// The sources must outlive the session and have been checked. A page that is not `paced` gets all that the socket
   /// takes. Throws Error if a recording cannot be opened.
   explicit PageSession(const PageSources& sources, bool paced = false);
+  /// Gives command up.
+  ~PageSession() override;
 
+  void on_client(const std::string& address) override;
   Hearing on_message(std::string_view text) override;
   WebFrame next() override;
 
@@ -95,7 +123,11 @@ class PageSession final : public WebSession {
   Hearing follow(const PageRequest& request);
   Hearing play(bool playing);
   Hearing control(const std::string& token);
+  Hearing release();
   Hearing command(const std::string& word);
+  Hearing plan(const PageRequest& request);
+  [[nodiscard]] bool has_command() const { return sources_.seat->holder == this; }
+  void give_command_up(const std::string& how);
   Hearing detail(const std::string& word);
   Hearing seen(double frame);
 
@@ -126,7 +158,8 @@ class PageSession final : public WebSession {
   const PageSources& sources_;
   std::unique_ptr<Playback> playback_;
   bool live_;
-  bool control_ = false;
+  const std::uint64_t number_;   ///< of the session
+  std::string name_ = "a page";  ///< in the log
 
   bool playing_ = true;
   double speed_ = 1;

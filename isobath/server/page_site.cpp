@@ -3,6 +3,7 @@
 #include <isobath/server/foxglove_session.hpp>
 #include <isobath/server/packed_records.hpp>
 #include <isobath/server/page_site.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace isobath {
@@ -12,6 +13,26 @@ double seconds_shown(const PageSources& sources) {
   if (!sources.live) return 0;
   const TimeSpan span = sources.live_span();
   return to_seconds(span.end - span.start);
+}
+
+/// What BlueOS asks a service of a vehicle's computer, and the widget of Cockpit: the page in a frame.
+std::map<std::string, std::string> extension_files(const std::string& version) {
+  const nlohmann::json service{{"name", "Isobath"},
+                               {"description", "Maps from sonar, and steers round what it sees"},
+                               {"icon", "mdi-radar"},
+                               {"company", "Isobath"},
+                               {"version", version},
+                               {"webpage", ""},
+                               {"api", ""},
+                               {"new_page", false},
+                               {"works_in_relative_paths", false},
+                               {"extras", {{"cockpit", "/cockpit_extras.json"}}}};
+  const nlohmann::json widget{{"name", "Isobath"}, {"iframe_url", "/"}, {"icon_url", ""}, {"version", version}};
+  const nlohmann::json cockpit{{"target_system", "Cockpit"},
+                               {"target_cockpit_api_version", "1.0.0"},
+                               {"widgets", nlohmann::json::array({widget})},
+                               {"actions", nlohmann::json::array()}};
+  return {{"/register_service", service.dump()}, {"/cockpit_extras.json", cockpit.dump()}};
 }
 
 }  // namespace
@@ -34,6 +55,7 @@ WebSite page_site(std::span<const PageSources* const> vehicles) {
                                        foxglove_protocols(), true};
   }
   const PageSources& sources = *vehicles.front();
+  for (auto& [path, text] : extension_files(sources.version)) site.files[path] = {"application/json", text};
   site.health = [&sources] {
     return nlohmann::json{{"status", "ok"},
                           {"version", sources.version},

@@ -75,7 +75,13 @@ void SocketClient::drop() {
 Stream& SocketClient::lowest() { return beast::get_lowest_layer(socket_); }
 
 void SocketClient::open() {
-  if (call([&] { session_ = wanted_.open(); })) {
+  const auto opened = [&] {
+    session_ = wanted_.open();
+    error_code ec;
+    const auto client = lowest().socket().remote_endpoint(ec);
+    if (!ec) session_->on_client(client.address().to_string());
+  };
+  if (call(opened)) {
     hub_.count([](WebCounts& c) { ++c.clients, ++c.clients_ever; });
     ask();
   }

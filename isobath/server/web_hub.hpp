@@ -85,11 +85,15 @@ class SocketClient;
 /// destroyed first.
 struct Hub {
   Hub(const WebServerConfig& c, WebSite s)
-      : config(c), site(std::move(s)), hosts(names_of_list(c.hosts)), viewer_origins(names_of_list(c.viewer_origins)) {}
+      : config(c),
+        site(std::move(s)),
+        hosts(names_of_list(c.hosts)),
+        viewer_origins(names_of_list(c.viewer_origins)),
+        frame_origins(names_of_list(c.frame_origins)) {}
 
   WebServerConfig config;
   WebSite site;
-  std::vector<std::string> hosts, viewer_origins;
+  std::vector<std::string> hosts, viewer_origins, frame_origins;
   mutable std::mutex mutex;  ///< guards the counts
   WebCounts counts;
   std::map<std::uint64_t, HttpConnection*> requesting;  ///< the oldest first

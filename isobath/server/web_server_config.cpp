@@ -12,6 +12,9 @@ std::vector<Field> fields(WebServerConfig& c) {
       Field::text("viewer_origins", &c.viewer_origins,
                   "Origins of pages elsewhere that may watch through /foxglove, such as https://app.foxglove.dev, "
                   "separated by commas."),
+      Field::text(
+          "frame_origins", &c.frame_origins,
+          "Origins of pages that may show the page in a frame, such as http://blueos.local, separated by commas."),
       Field::integer("max_clients", &c.max_clients, {1, 1000}, "1", "Pages on the socket at a time.")
           .was("most_clients"),
       Field::integer("max_connections", &c.max_connections, {2, 10000}, "1", "Connections at a time, including pages.")

@@ -12,9 +12,10 @@ struct WebServerConfig {
   int port = 8484;  ///< 0: any free port
   std::string hosts;
   std::string viewer_origins;
+  std::string frame_origins;
   int max_clients = 16;
   int max_connections = 64;
-  int max_message_bytes = 4096;
+  int max_message_bytes = 16384;
   double messages_hz = 20;
   double frames_hz = 10;
   double request_s = 10;

@@ -32,6 +32,8 @@ class WebSession {
  public:
   virtual ~WebSession() = default;
 
+  /// Called once, before all else: the address of the client, or of the proxy before it.
+  virtual void on_client(const std::string& /*address*/) {}
   /// Handles a text message: UTF-8, no longer than the server allows.
   virtual Hearing on_message(std::string_view text) = 0;
   /// The changes since the last frame, which has been sent completely; empty if nothing has changed.

@@ -14,11 +14,10 @@
 // skirt_share, without first dipping below its own times skirt_share: it is the foot of that echo. Two targets closer
 // than skirt_m with no dip between them are reported at the stronger one.
 //
-// False alarms of short bins (`auto`, a scanning head, with `false_alarm_m`). A head whose bins are much shorter than a
-// cell of the map has many of them in a cell, and each may report a false echo; with `false_alarm_m` each gets its
-// share of the rate. Measured on a simulated Ping360 (bins of 0.04 m, cells of 1 m), three seeds: 1044, 1654 and 1252
-// false pieces of obstacles with the whole rate in each bin; 154, 280 and 99 with its share of a metre. Weak echoes are
-// then seen less often, so that it is off unless it is asked for.
+// False alarms of short bins (`auto`, a scanning head). A cell of the map holds many bins of a head with short ones,
+// and each may report a false echo: false_alarm holds for a bin of false_alarm_m, the bins of a Micron at 50 m, and a
+// shorter one gets its share. Measured on a simulated Ping360 (bins of 0.02 m, cells of 1 m) in a reservoir without
+// buoys, three seeds: 10, 11 and 19 false obstacles with the whole rate in each bin, 5, 1 and 3 with its share.
 //
 // Warm-up (`learnt`): until warmup_profiles beams have been received, all bins are unusable: unknown, neither free nor
 // occupied. The default is a quarter turn of a Micron, or four pings of a multibeam sonar (the detector learns from 16
@@ -27,10 +26,10 @@
 // % quantile of sample over threshold in the first ping. The threshold of a beam that is louder by more than 5 % is
 // raised by this ratio.
 //
-// Measured with the defaults: in a tank of 4.5 m (Micron, 20 turns) the first hit is 0.00 to 0.05 m before each wall,
-// without the skirt rule 0.03 to 0.11 m. On the background of a DIDSON, clipped at zero, 3 % of the bins hit at f =
-// 0.02. Not promised: an echo that fills half of the bearings and more than an eighth of the range window during the
-// whole memory is learnt as noise.
+// Measured with the whole rate in each bin (false_alarm_m = 0): in a tank of 4.5 m (Micron, 20 turns) the first hit is
+// 0.00 to 0.05 m before each wall, without the skirt rule 0.03 to 0.11 m. On the background of a DIDSON, clipped at
+// zero, 3 % of the bins hit at f = 0.02. Not promised: an echo that fills half of the bearings and more than an eighth
+// of the range window during the whole memory is learnt as noise.
 //
 // If the water column is known, echoes of bottom and surface are separated from targets (boundary_echoes.hpp). This
 // applies to all methods but `cells`, which has its own background.
@@ -74,7 +73,7 @@ enum class DetectionMethod : std::uint8_t {
 struct EchoDetectorConfig {
   DetectionMethod method = DetectionMethod::kAutomatic;
   double false_alarm = 0.02;      ///< f; a sensor model has its own
-  double false_alarm_m = 0;       ///< length of a bin for which false_alarm holds, in method auto; 0: any
+  double false_alarm_m = 0.1;     ///< length of a bin for which false_alarm holds, in method auto; 0: any
   double p_detect = 0.8;          ///< p_D; a model has its own
   double blanking_m = 0.6;        ///< nearer bins are not usable
   double global_threshold = 0.5;  ///< share of full scale

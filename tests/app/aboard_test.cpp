@@ -46,8 +46,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
             const std::string& autopilot = "") {
   write(folder / "scene.toml", short_scene());
   // On a machine that does much else, a thread that waits is no agent that hangs.
-  write(folder / "ping360.toml",
-        content_of(source_folder() / "examples/aboard/ping360.toml") + "[executor]\nmissed_ticks = 100\n");
+  write(folder / "patient.toml", "[executor]\nmissed_ticks = 100\n");
   const std::string script =
       R"(
     cd "$1"
@@ -60,7 +59,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
       autopilot +
       R"([[device]]\nkind = "ping360"\nlink = "udp:127.0.0.1:%s"\nsector_deg = 120\n[[device]]\nkind = "ping1d"\nlink = "udp:127.0.0.1:%s"\n[[device]]\nkind = "dvl-a50"\nlink = "tcp:127.0.0.1:%s"\n' \
       $(port autopilot) $(port ping360) $(port ping1d) $(port dvl-a50) > vehicle.toml
-    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config ping360.toml )" +
+    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config patient.toml )" +
       aboard + R"( > aboard.jsonl
     code=$?
     kill -INT $stand_in; wait $stand_in
@@ -106,10 +105,9 @@ TEST(Aboard, CommandsNothingInADryRun) {
 }
 
 /// The same beside a MOOSDB: the vehicle file of the example at the ports of the stand-ins, its mission with one point.
-Joined join_moos(const fs::path& folder, const std::string& stand_in) {
+Joined join_moos(const fs::path& folder) {
   write(folder / "scene.toml", short_scene());
-  write(folder / "ping360.toml",
-        content_of(source_folder() / "examples/aboard/ping360.toml") + "[executor]\nmissed_ticks = 100\n");
+  write(folder / "patient.toml", "[executor]\nmissed_ticks = 100\n");
   std::string mission = content_of(source_folder() / "examples/aboard/moos-mission.toml");
   mission.replace(mission.find("north = 68"), 10, "north = 24");
   mission.erase(mission.find("[[mission_point]]\nname = \"B\""));
@@ -124,7 +122,7 @@ Joined join_moos(const fs::path& folder, const std::string& stand_in) {
     until [ -s stand_in.jsonl ] || ! kill -0 $stand_in 2> /dev/null; do sleep 0.05; done
     port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
     sed "s/:9000\"/:$(port autopilot)\"/; s/:9092\"/:$(port ping360)\"/; s/:9090\"/:$(port ping1d)\"/" moos.toml > vehicle.toml
-    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config ping360.toml \
+    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config patient.toml \
       > aboard.jsonl
     code=$?
     kill -INT $stand_in; wait $stand_in
@@ -138,7 +136,7 @@ Joined join_moos(const fs::path& folder, const std::string& stand_in) {
 
 TEST(Aboard, SailsAMissionInAMoosCommunity) {
   const fs::path folder = scratch_folder();
-  const Joined joined = join_moos(folder, "");
+  const Joined joined = join_moos(folder);
   ASSERT_EQ(joined.aboard.size(), 2u) << joined.result.err;
   ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
   EXPECT_EQ(joined.result.exit_code, 0) << joined.result.err;

@@ -4,6 +4,7 @@
 #include <isobath/server/page_session.hpp>
 #include <string_view>
 #include <tests/server/records.hpp>
+#include <utility>
 
 namespace {
 
@@ -33,10 +34,27 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   sources.clock = [&] { return now; };
   sources.open_playback = [] { return std::make_unique<HundredSeconds>(); };
   sources.token = "correct horse battery";
-  sources.command = [&](PageCommand) {
+  sources.command = [&](PageCommand, const std::string&) {
     ISOBATH_ASSERT(knows);
     return std::string();
   };
+  // The mission of the run has one point and no fence; a draft that is taken is a sound mission.
+  MissionPlan mission;
+  mission.points.resize(1);
+  std::optional<std::string> answer;
+  const auto planned = [&](const MissionDraft& draft) {
+    ISOBATH_ASSERT(knows && draft.points.size() <= MissionDraft::kMaxPoints);
+    try {
+      check_mission(plan_of(draft, mission));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    answer = "{}";
+    return std::string();
+  };
+  sources.planning = {[&](const MissionDraft& draft, const std::string&) { return planned(draft); },
+                      [&](const MissionDraft& draft, std::uint64_t) { return planned(draft); },
+                      [&](std::uint64_t) { return std::exchange(answer, std::nullopt); }};
   if (size % 2 == 0) {
     sources.live = std::make_shared<SharedChanges>(items);
     sources.live_span = [] { return TimeSpan{kStart, kStart + seconds(110)}; };

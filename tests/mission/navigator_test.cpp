@@ -30,7 +30,10 @@ double sampled_distance(const std::vector<Vector2d>& way, const Polygon& outline
 
 class NavigatorTest : public Test {
  protected:
-  NavigatorTest() { vehicle.half_width_m = 0.25; }
+  NavigatorTest() {
+    vehicle.half_width_m = 0.25;
+    config.drop_distance_m = 10;
+  }
 
   void make() {
     agent = std::make_unique<Navigator>(config, route, vehicle);
@@ -282,6 +285,21 @@ TEST_F(NavigatorTest, RefusesAPointWithAnObstacleNearerThanTenMetres) {
     EXPECT_EQ(only<RoutePlanned>(said).size(), dropped ? 0u : 1u) << distance;
     if (dropped) {
       EXPECT_EQ(only<RouteRefused>(said)[0].reason, Reason::kGoalBlocked);
+    }
+  }
+}
+
+// ledger: S6-51
+TEST_F(NavigatorTest, LetsAVehicleThatCanHoverGoToAPointByAWall) {
+  config.drop_distance_m = 0;
+  const double wanted = route.clearance_m + vehicle.half_width_m;
+  for (const auto& [min_speed, least] : {std::pair{0.0, wanted}, std::pair{0.8, 10.0}}) {
+    vehicle.min_speed = min_speed;
+    for (const double more : {0.1, -0.1}) {
+      make();
+      sail_from(0, 0);
+      scan({square(100, 3 + least + more, 3)}, HazardKind::kInjected);
+      EXPECT_EQ(only<RouteRefused>(ask(point(100, 0))).size(), more > 0 ? 0u : 1u) << min_speed;
     }
   }
 }

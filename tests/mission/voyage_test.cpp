@@ -159,6 +159,7 @@ TEST(Voyage, DropsAPointWithAnObstacleOnItAndSailsToTheNext) {
 TEST(Voyage, MovesThatPointWhereTheMissionAllowsIt) {
   Voyage voyage(three_points());
   voyage.plan.points[1].move_m = 25;
+  voyage.config.navigator.drop_distance_m = 10;
   voyage.plan.injected = {injected(square(78, 85, 4))};
   voyage.stands = {square(78, 85, 4)};
   voyage.sail(400);

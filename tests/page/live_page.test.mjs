@@ -16,11 +16,15 @@ const count = (page, name) =>
 
 // ledger: S5-59
 test('a simulated mission is seen as it runs, its past as it was, and by two pages alike', async () => {
-  const program = await serve('pandan', '--port', '0', '--speed', '8');
+  const program = await serve('pandan', '--port', '0', '--speed', '4');
   const page = await open(program.url);
   await state(page, 'open');
   await until(page, 12);
   assert.match(await page.textContent('#connection'), /LIVE simulation/);
+  const service = await (await fetch(new URL('register_service', program.url))).json();
+  assert.equal(service.name, 'Isobath', 'BlueOS finds it');
+  const { widgets } = await (await fetch(new URL(service.extras.cockpit, program.url))).json();
+  assert.equal(widgets[0].iframe_url, '/');
   assert.notEqual(await page.textContent('#title'), '');
   await page.click('#tab-health');
   await page.waitForFunction(() => /pings/.test(document.querySelector('#health-counts').textContent));

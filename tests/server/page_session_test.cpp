@@ -71,7 +71,7 @@ struct Page {
       };
     }
     sources.token = kToken;
-    sources.command = [this](PageCommand command) {
+    sources.command = [this](PageCommand command, const std::string& /*by*/) {
       commands.push_back(command);
       return std::string(command == PageCommand::kResume ? "nothing is held" : "");
     };

@@ -1,5 +1,6 @@
 /**
- * Commands: the buttons hold, resume, acknowledge and abort. They need the token of the program; abort needs a second press.
+ * Commands: the buttons hold, resume, acknowledge, return and abort, and who has command. They need the token of the
+ * program; return and abort need a second press.
  *
  * The buttons appear above all views as soon as this page may command. A button without effect in the current phase of
  * the mission is disabled. The pressed command is shown until the mission has followed it.
@@ -7,6 +8,7 @@
 import { toast } from './connection';
 import { byId, make, mark, say } from './dom';
 import { Kind } from './protocol';
+import * as units from './units';
 import type { Shared, View } from './view';
 
 /** ms: abort must be pressed again within this time. */
@@ -14,7 +16,7 @@ const kSure = 4000;
 /** ms: a command without effect is no longer shown as pending after this time. */
 const kFollowed = 10000;
 
-type Command = 'hold' | 'resume' | 'acknowledge' | 'abort';
+type Command = 'hold' | 'resume' | 'acknowledge' | 'return' | 'abort';
 
 export class Commands implements View {
   private readonly section = byId('commands');
@@ -25,13 +27,16 @@ export class Commands implements View {
     hold: byId<HTMLButtonElement>('command-hold'),
     resume: byId<HTMLButtonElement>('command-resume'),
     acknowledge: byId<HTMLButtonElement>('command-acknowledge'),
+    return: byId<HTMLButtonElement>('command-return'),
     abort: byId<HTMLButtonElement>('command-abort'),
   };
   private drawn = '';
-  private armed = 0;
   private ordered: { command: Command; state: string; refusals: number; until: number } | null = null;
 
-  constructor(private readonly shared: Shared) {
+  constructor(
+    private readonly shared: Shared,
+    openHealth: () => void,
+  ) {
     byId<HTMLFormElement>('command-form').addEventListener('submit', (event) => {
       event.preventDefault();
       shared.ask({ ask: 'control', token: this.token.value });
@@ -40,16 +45,32 @@ export class Commands implements View {
     for (const command of ['hold', 'resume', 'acknowledge'] as const) {
       this.buttons[command].addEventListener('click', () => this.order(command));
     }
-    const { abort } = this.buttons;
-    abort.addEventListener('click', () => {
-      window.clearTimeout(this.armed);
-      if (abort.dataset.armed === 'true') {
-        this.order('abort');
-        this.disarm();
+    for (const command of ['return', 'abort'] as const) this.armFirst(command);
+    byId('command-release').addEventListener('click', () => shared.ask({ ask: 'release' }));
+    byId('commander-take').addEventListener('click', () => {
+      openHealth();
+      this.token.focus();
+    });
+  }
+
+  /** The first press arms the button, the second orders. */
+  private armFirst(command: 'return' | 'abort'): void {
+    const button = this.buttons[command];
+    const name = command === 'abort' ? 'Abort' : 'Return';
+    let armed = 0;
+    const disarm = () => {
+      button.dataset.armed = 'false';
+      button.replaceChildren(make('span', {}, name));
+    };
+    button.addEventListener('click', () => {
+      window.clearTimeout(armed);
+      if (button.dataset.armed === 'true') {
+        this.order(command);
+        disarm();
       } else {
-        abort.dataset.armed = 'true';
-        say(abort, 'Press again');
-        this.armed = window.setTimeout(() => this.disarm(), kSure);
+        button.dataset.armed = 'true';
+        say(button, 'Press again');
+        armed = window.setTimeout(disarm, kSure);
       }
     });
   }
@@ -62,11 +83,6 @@ export class Commands implements View {
     this.shared.redraw();
   }
 
-  private disarm(): void {
-    this.buttons.abort.dataset.armed = 'false';
-    this.buttons.abort.replaceChildren(make('span', {}, 'Abort'));
-  }
-
   private get phase(): string {
     return this.shared.model.way?.phase ?? '';
   }
@@ -76,7 +92,8 @@ export class Commands implements View {
   }
   /** What changes when the vehicle follows the command. */
   private stateFor(command: Command): string {
-    return command === 'acknowledge' ? this.alarms.join() : this.phase;
+    if (command === 'acknowledge') return this.alarms.join();
+    return command === 'return' ? String(this.shared.model.scene?.missionNumber) : this.phase;
   }
 
   frame(): void {
@@ -86,11 +103,14 @@ export class Commands implements View {
       ordered && (this.stateFor(ordered.command) !== ordered.state || revision[Kind.refusal] !== ordered.refusals);
     if (followed || performance.now() > (ordered?.until ?? Infinity)) this.ordered = null;
     const unseen = this.alarms.some((alarm) => /not acknowledged/.test(alarm));
-    const look = `${clock?.control} ${clock?.live} ${this.phase} ${this.ordered?.command} ${unseen}`;
+    const { by, since } = clock?.command ?? { by: '', since: 0 };
+    const look = `${clock?.control} ${clock?.live} ${this.phase} ${this.ordered?.command} ${unseen} ${by} ${since}`;
     if (look === this.drawn) return;
     this.drawn = look;
     const may = clock?.control === true;
     if (may && this.bar.hidden) toast('This page may command the mission now.');
+    if (!may && !this.bar.hidden && by) toast(`This page has lost command: ${by} has it now.`);
+    this.tellCommander(!may && by !== '' && clock?.control !== undefined, by, since);
     this.section.hidden = clock?.control === undefined;
     byId('command-form').hidden = may;
     byId('command-granted').hidden = !may;
@@ -103,12 +123,19 @@ export class Commands implements View {
     this.buttons.resume.disabled = now !== '' && now !== 'holding';
     this.buttons.acknowledge.disabled = clock?.live === true && !unseen;
     this.buttons.abort.disabled = now === 'finished' || now === 'aborted';
+    this.buttons.return.disabled = clock?.live !== true || clock.over || now === '' || now === 'waiting';
+  }
+
+  /** On the pages without command: who has it. */
+  private tellCommander(there: boolean, by: string, since: number): void {
+    byId('commander-bar').hidden = !there;
+    say(byId('commander'), there ? `${by.charAt(0).toUpperCase()}${by.slice(1)} has command since ${units.elapsed(since, 0)}` : '');
   }
 
   private words(live: boolean): string {
     if (this.ordered) return `${kDoing[this.ordered.command]} …`;
     if (!live) return 'The past is shown; commands act on the present';
-    return this.phase ? `Mission ${this.phase}` : 'No mission';
+    return `You have command. ${this.phase ? `Mission ${this.phase}` : 'No mission'}`;
   }
 }
 
@@ -116,5 +143,6 @@ const kDoing: Record<Command, string> = {
   hold: 'Hold requested',
   resume: 'Resume requested',
   acknowledge: 'Acknowledgement sent',
+  return: 'Return requested',
   abort: 'Abort requested',
 };

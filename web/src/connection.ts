@@ -150,6 +150,7 @@ export class Connection {
     if (!refusal || revision === this.refused) return;
     this.refused = revision;
     const { request, why } = refusal;
+    if (request === 'preview') return; // the planner asks again
     const not = kNot[request] ?? `Request refused${request ? ` (${request})` : ''}`;
     toast(`${not}: ${why}`);
   }
@@ -160,6 +161,8 @@ const kNot: Record<string, string | undefined> = {
   hold: 'Hold refused',
   resume: 'Resume refused',
   abort: 'Abort refused',
+  return: 'Return refused',
+  mission: 'Mission refused',
 };
 
 let fading = 0;

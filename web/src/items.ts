@@ -12,6 +12,8 @@ export interface MissionPoint {
   at: Point;
   depth: number | undefined;
   altitude: number | undefined;
+  /** m/s; absent: that of the mission. */
+  speed: number | undefined;
   /** No leg leads to it from the point before. */
   apart: boolean;
 }
@@ -26,6 +28,10 @@ export interface Scene {
   keepOut: Point[][];
   land: Point[][];
   mission: MissionPoint[];
+  /** Grows with each mission that replaces another during the run. */
+  missionNumber: number;
+  /** m/s */
+  missionSpeed: number | undefined;
   bodies: { name: string; outline: Point[] }[];
   /** Outlines of the charted obstacles. */
   charted: Point[][];
@@ -61,8 +67,10 @@ export function readScene(json: unknown): Scene | null {
     mission: all(json.mission, (v) => {
       const at = isObject(v) ? point(v.at) : undefined;
       if (!isObject(v) || !at) return undefined;
-      return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m), apart: flag(v.apart) };
+      return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m), speed: number(v.speed), apart: flag(v.apart) };
     }),
+    missionNumber: number(json.mission_number) ?? 0,
+    missionSpeed: number(json.mission_speed),
     charted: all(json.charted, (v) => {
       const [a, b] = isObject(v) ? [point(v.a), point(v.b)] : [];
       return isObject(v) && a && b ? around(a, b, Math.max(0.1, number(v.radius_m) ?? 0)) : undefined;
@@ -410,6 +418,10 @@ export interface Clock {
   speed: number;
   /** Whether this page may command; absent if the program takes no commands. */
   control: boolean | undefined;
+  /** Whether a page with command may plan missions. */
+  plans: boolean;
+  /** Which page has command, and since when, s after the start; absent: none. */
+  command: { by: string; since: number } | undefined;
   version: string;
   /** Differs from that of any other run; empty: unknown. */
   run: string;
@@ -437,6 +449,8 @@ export function readClock(json: unknown): Clock | null {
     playing: flag(json.playing),
     speed: number(json.speed) ?? 1,
     control: typeof json.control === 'boolean' ? json.control : undefined,
+    plans: flag(json.plans),
+    command: isObject(json.command) ? { by: words(json.command.by), since: number(json.command.since_s) ?? 0 } : undefined,
     version: typeof json.version === 'number' ? String(json.version) : words(json.version),
     run: words(json.run),
     frame: number(json.frame),

@@ -15,6 +15,7 @@ import { Marks } from './marks';
 import { Model } from './model';
 import { ObstacleList } from './obstacle_list';
 import { PlanView } from './plan/plan';
+import { Planner } from './planner';
 import { placeOf, Saving } from './saving';
 import { SonarView } from './sonar/sonar';
 import { SpaceView } from './space/space';
@@ -80,6 +81,7 @@ const shared: Shared = {
 
 const layout = new Layout(redraw);
 const plan = new PlanView(shared);
+const planner = new Planner(shared, plan);
 const sonar = new SonarView(shared);
 const space = new SpaceView(shared);
 const marks = new Marks(model);
@@ -95,7 +97,8 @@ const all: View[] = [
   new ObstacleList(shared),
   new HealthView(shared),
   timeline,
-  new Commands(shared),
+  new Commands(shared, () => layout.show('health')),
+  planner,
 ];
 const connection = new Connection(shared, feed);
 listenToKeys({ shared, layout, plan, space, timeline, theme });
@@ -123,6 +126,7 @@ function begin(run: string): void {
     shared.selected = shared.pointedDecision = null;
     shared.obstacle = shared.hovered = null;
     plan.begin();
+    planner.discard();
   }
   shownRun = run;
 }

@@ -12,6 +12,7 @@ import { EchoTrail } from './echo_trail';
 import { PackedRecords } from './packed_records';
 import { readLevels, type Level } from './levels';
 import { readPartner, type Partner } from './partners';
+import { readPreview, type Preview } from './preview';
 import { readSounds, type Sound } from './sounds';
 import { SonarImage } from './sonar_image';
 
@@ -65,6 +66,8 @@ export class Model {
   times: items.StageTime[] = [];
   clock: items.Clock | null = null;
   refusal: items.Refusal | null = null;
+  /** The answer to the last preview that this page asked for. */
+  preview: Preview | null = null;
 
   /** By kind; [0] grows whenever everything is forgotten. */
   readonly revision = new Uint32Array(protocol.kLastKind + 1);
@@ -195,6 +198,8 @@ export class Model {
         return this.keep(items.readClock(protocol.readJson(payload)), (clock) => (this.clock = clock));
       case Kind.refusal:
         return this.keep(items.readRefusal(protocol.readJson(payload)), (refusal) => (this.refusal = refusal));
+      case Kind.preview:
+        return this.keep(readPreview(protocol.readJson(payload)), (preview) => (this.preview = preview));
       case Kind.packed:
         return false;
     }
@@ -294,6 +299,9 @@ export class Model {
         break;
       case Kind.refusal:
         this.refusal = null;
+        break;
+      case Kind.preview:
+        this.preview = null;
         break;
       case Kind.packed:
         return false;

@@ -29,9 +29,10 @@ export const Kind = {
   levels: 19,
   partner: 20,
   packed: 21,
+  preview: 22,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.packed;
+export const kLastKind = Kind.preview;
 
 export const kHead = 24;
 const kGone = 1;

@@ -1,3 +1,5 @@
+import type { DraftJson } from './plan/draft';
+
 /** A request of the page to its feed. */
 export type Request =
   | { ask: 'play' | 'pause' | 'live' }
@@ -7,4 +9,6 @@ export type Request =
   | { ask: 'control'; token: string }
   | { ask: 'seen'; frame: number }
   | { ask: 'detail'; voxels: 'all' | 'cubes' }
-  | { ask: 'command'; command: 'hold' | 'resume' | 'abort' | 'acknowledge' };
+  | { ask: 'command'; command: 'hold' | 'resume' | 'abort' | 'acknowledge' | 'return' }
+  | { ask: 'release' }
+  | { ask: 'preview' | 'mission'; draft: DraftJson };

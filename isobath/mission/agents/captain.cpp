@@ -101,26 +101,17 @@ void Captain::on(const OperatorCommand& command, Outbox& out) {
       }
       return;
     case Kind::kAcknowledge: return decide("acknowledge", "the operator has seen the alarms", out);
+    case Kind::kNewMission: return replace(command, out);
+    case Kind::kReturn: return send_home(command, out);
+    case Kind::kHandOver: return decide("command", command.by, out);
     case Kind::kBeat: return;
   }
 }
 
 void Captain::start(const OperatorCommand& command, Outbox& out) {
-  std::string problem;
-  if (!command.plan) {
-    problem = "there is no mission";
-  } else if (under_way()) {
-    if (command.plan == plan_) return;  // the link repeats a command that was not acknowledged
-    problem = "a mission is under way";
-  } else if (!faults_.empty()) {
-    problem = "a fault is active: " + *faults_.begin();
-  } else {
-    try {
-      check_mission(*command.plan);
-    } catch (const Error& e) {
-      problem = e.what();
-    }
-  }
+  const bool another = command.plan && under_way();
+  if (another && command.plan == plan_) return;  // the link repeats a command that was not acknowledged
+  const std::string problem = another ? "a mission is under way" : problem_of(command.plan.get());
   if (!problem.empty()) {
     decide("refuse mission", problem, out);
     if (under_way()) return;
@@ -128,14 +119,67 @@ void Captain::start(const OperatorCommand& command, Outbox& out) {
     out.say(MissionReport{phase_, 0, 0, problem});
     return tell("mission refused: " + problem, out);
   }
-  plan_ = command.plan;
+  begin(command.plan);
+  if (here_) home_W_ = here_->X_WB.translation.head<2>();
+  order(MissionOrder::Kind::kStart, "start", "the operator asks for it", out);
+}
+
+/// Why the vehicle cannot take it; empty: it can.
+std::string Captain::problem_of(const MissionPlan* plan) const {
+  if (plan == nullptr) return "there is no mission";
+  if (!faults_.empty()) return "a fault is active: " + *faults_.begin();
+  try {
+    check_mission(*plan);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return {};
+}
+
+void Captain::begin(std::shared_ptr<const MissionPlan> plan) {
+  plan_ = std::move(plan);
   aborted_.reset();
   started_ = now_;
   point_ = 0;
   left_.resize(plan_->search.on() ? 0 : plan_->points.size());
   std::iota(left_.begin(), left_.end(), std::size_t{0});
-  if (here_) home_W_ = here_->X_WB.translation.head<2>();
-  order(MissionOrder::Kind::kStart, "start", "the operator asks for it", out);
+}
+
+void Captain::replace(const OperatorCommand& command, Outbox& out) {
+  std::string problem = problem_of(command.plan.get());
+  if (problem.empty() && plan_ && plan_->search.on()) problem = "the vehicles of a group share the mission";
+  const bool fenced = problem.empty() && here_ && !command.plan->fence.empty();
+  if (fenced && !encloses(command.plan->fence, here_->X_WB.translation.head<2>())) {
+    problem = "the vehicle is outside the fence of the new mission";
+  }
+  if (!problem.empty()) {
+    decide("refuse mission", problem + (under_way() ? "; the mission under way goes on" : ""), out);
+    return tell("new mission refused: " + problem, out);
+  }
+  if (!plan_ && here_) home_W_ = here_->X_WB.translation.head<2>();
+  begin(command.plan);
+  bids_until_.reset();
+  const std::size_t points = plan_->points.size();
+  const std::string why = fmt::format("{} point{}, sent by {}", points, points == 1 ? "" : "s",
+                                      command.by.empty() ? "the operator" : command.by);
+  decide("new mission", why, out);
+  out.say(MissionOrder{MissionOrder::Kind::kStart, plan_, MissionEnd::kHold, why, true});
+}
+
+/// The place where the first mission started becomes the only point, at the depth of the last one.
+void Captain::send_home(const OperatorCommand& command, Outbox& out) {
+  if (!plan_) return decide("refuse return", "the vehicle has not started yet", out);
+  auto home = std::make_shared<MissionPlan>(*plan_);
+  const MissionPoint& last = plan_->points.back();
+  MissionPoint start;
+  start.name = "the start";
+  start.north_east = home_W_;
+  start.depth_m = last.depth_m;
+  start.altitude_m = last.altitude_m;
+  home->points = {start};
+  home->injected.clear();
+  home->at_end = MissionEnd::kHold;
+  replace({OperatorCommand::Kind::kNewMission, std::move(home), command.by}, out);
 }
 
 void Captain::on(const SafetyReport& report, Outbox& out) {

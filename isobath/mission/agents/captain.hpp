@@ -11,6 +11,10 @@
 // mission point is blocked, the Captain moves it to the safe place that the Navigator found, provided that this is no
 // farther from the position in the mission file than the file allows.
 //
+// The operator may replace the mission, under way too. The Captain checks the new one like the first; a mission that it
+// refuses changes nothing. The start of the first mission stays the place to return to. The operator's order to return
+// is a mission with that place as its only point. A mission that a group shares is not replaced.
+//
 // Under way the Captain predicts, at the interval of the timing table, how long the rest of the mission takes (the way
 // through the points that are left, and the time at them). Where the mission is to end at its start and has a maximum
 // duration, the vehicle turns back as soon as the way to the start takes the time that is left.
@@ -48,6 +52,10 @@ class Captain final : public Agent {
  private:
   void on(const OperatorCommand& command, Outbox& out);
   void start(const OperatorCommand& command, Outbox& out);
+  void replace(const OperatorCommand& command, Outbox& out);
+  void send_home(const OperatorCommand& command, Outbox& out);
+  void begin(std::shared_ptr<const MissionPlan> plan);
+  [[nodiscard]] std::string problem_of(const MissionPlan* plan) const;
   void on(const SafetyReport& report, Outbox& out);
   void on(const AgentLost& lost, Outbox& out);
   void on(const RouteRefused& refused, Outbox& out);

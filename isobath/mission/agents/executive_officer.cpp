@@ -149,14 +149,18 @@ void ExecutiveOfficer::on(const MissionOrder& order, Outbox& out) {
 }
 
 void ExecutiveOfficer::start(const MissionOrder& order, Outbox& out) {
-  if (!order.plan || busy()) return;
+  if (!order.plan || (busy() && !order.replaces)) return;
+  const bool same_home = order.replaces && plan_;
   plan_ = order.plan;
   points_ = plan_->points;
   facts_.clear();
   reached_ = dropped_ = 0;
   paused_ = false;
   errand_ = Errand::kNone;
-  if (here_) home_ = here_->X_WB.translation.head<2>();
+  no_way_ = false;
+  move_until_.reset();
+  visits_.clear();
+  if (here_ && !same_home) home_ = here_->X_WB.translation.head<2>();
   visits_ordered_ = {};
   executor_.emplace(is_shared() ? visit_graph(*plan_, {}, false, config_) : mission_graph(*plan_, config_));
   other_graph_ = true;

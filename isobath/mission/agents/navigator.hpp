@@ -168,9 +168,7 @@ class Navigator : public Agent {
   [[nodiscard]] Decision about(const View& view, const Way& way, const Conflict& conflict) const;
 
   /// Distance within which an obstacle blocks the point.
-  [[nodiscard]] double drop_distance() const {
-    return request_->target.drop_distance_m > 0 ? request_->target.drop_distance_m : config_.drop_distance_m;
-  }
+  [[nodiscard]] double drop_distance() const;
   [[nodiscard]] double clearance() const { return route_.clearance_m + vehicle_.half_width_m; }
   /// The clearance below which a route is changed.
   [[nodiscard]] double least_clearance() const { return std::max(0.0, clearance() - config_.slack_m); }

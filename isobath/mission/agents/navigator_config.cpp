@@ -4,8 +4,10 @@ namespace isobath {
 
 std::vector<Field> fields(NavigatorConfig& c) {
   return {
-      Field::real("drop_distance_m", &c.drop_distance_m, {0, 1000}, "m",
-                  "A mission point with an obstacle nearer than this is refused."),
+      Field::real(
+          "drop_distance_m", &c.drop_distance_m, {0, 1000}, "m",
+          "A mission point with an obstacle nearer than this is refused; 0: 10 m, and the clearance for a vehicle that "
+          "can hover."),
       Field::real(
           "slack_m", &c.slack_m, {0, 100}, "m",
           "A route that was planned with the clearance may come this much nearer to a hazard before it is changed."),

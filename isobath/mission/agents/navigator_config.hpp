@@ -7,7 +7,7 @@
 namespace isobath {
 
 struct NavigatorConfig {
-  double drop_distance_m = 10;
+  double drop_distance_m = 0;
   double slack_m = 0.5;
   double switch_m = 5;
   double shortcut_m = 3;

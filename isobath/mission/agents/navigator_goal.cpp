@@ -11,6 +11,7 @@ using Eigen::Vector2d;
 
 namespace {
 
+constexpr double kDropDistance_m = 10;
 constexpr double kTraffic_s = 60;  // for which a body that moved counts
 constexpr int kTrafficScans = 15;  // times `sure_scans`
 
@@ -21,6 +22,13 @@ double outline_distance(const Hazard& hazard, const Vector2d& p) {
 bool is_certain(HazardKind kind) { return kind == HazardKind::kCharted || kind == HazardKind::kInjected; }
 
 }  // namespace
+
+// S6-51. A vehicle that cannot stop needs room to turn round at the point; one that hovers needs its clearance.
+double Navigator::drop_distance() const {
+  if (request_->target.drop_distance_m > 0) return request_->target.drop_distance_m;
+  if (config_.drop_distance_m > 0) return config_.drop_distance_m;
+  return vehicle_.min_speed > 0 ? kDropDistance_m : clearance();
+}
 
 /// Whether a body moves, or did a short time ago.
 bool Navigator::in_traffic() const { return traffic_ && to_seconds(now_ - *traffic_) < kTraffic_s; }

@@ -14,7 +14,8 @@ std::uint64_t CommandChain::Named::number_of(std::uint32_t id) const {
 
 std::optional<CommandLink> CommandChain::link(const Message& message, std::uint64_t number, Time now) {
   if (const auto* command = std::get_if<OperatorCommand>(&message)) {
-    if (command->kind != OperatorCommand::Kind::kBeat) operator_ = number;
+    using Kind = OperatorCommand::Kind;
+    if (command->kind != Kind::kBeat && command->kind != Kind::kHandOver) operator_ = number;
     return std::nullopt;
   }
   if (std::holds_alternative<MissionOrder>(message)) {

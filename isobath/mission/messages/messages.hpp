@@ -105,8 +105,19 @@ struct SonarEchoes {
 // From the operator --------------------------------------------------------------------------------------------------
 
 struct OperatorCommand {
-  enum class Kind : std::uint8_t { kStart, kAbort, kHold, kResume, kBeat, kAcknowledge } kind = Kind::kBeat;
-  std::shared_ptr<const MissionPlan> plan = {};  ///< with kStart
+  enum class Kind : std::uint8_t {
+    kStart,
+    kAbort,
+    kHold,
+    kResume,
+    kBeat,
+    kAcknowledge,
+    kNewMission,  ///< `plan` replaces the mission, under way too
+    kReturn,      ///< back to where the mission started
+    kHandOver     ///< `by` is a sentence that says who has command from now on
+  } kind = Kind::kBeat;
+  std::shared_ptr<const MissionPlan> plan = {};  ///< with kStart and kNewMission
+  std::string by = {};                           ///< who gave it: "the page at 192.168.2.7"; empty: not known
 };
 
 // Captain, Executive Officer, Navigator, Pilot -----------------------------------------------------------------------
@@ -120,6 +131,7 @@ struct MissionOrder {
   std::shared_ptr<const MissionPlan> plan = {};
   MissionEnd end = MissionEnd::kHold;  ///< how the mission ends, with kAbort
   std::string why;
+  bool replaces = false;  ///< with kStart: instead of the mission before, whose start stays the place to return to
 };
 const char* to_text(MissionOrder::Kind kind);
 

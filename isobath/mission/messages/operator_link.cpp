@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/mission/messages/frame_bytes.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
@@ -12,6 +13,10 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::size_t kHead = 20;
 constexpr std::size_t kTail = 4;
 constexpr std::size_t kMaxText = 1000;  // bytes of a status
+constexpr std::size_t kMaxSender = 255;
+
+/// Whether the command carries who gave it: a byte for its length, then the text.
+bool names_sender(OperatorCommand::Kind kind) { return kind >= OperatorCommand::Kind::kNewMission; }
 
 }  // namespace
 
@@ -75,6 +80,11 @@ LinkEnd::Received LinkEnd::receive(Bytes bytes) {
 
 FrameBytes to_bytes(const OperatorCommand& command) {
   FrameBytes out{'c', static_cast<std::uint8_t>(command.kind)};
+  if (names_sender(command.kind)) {
+    const std::string by = command.by.substr(0, kMaxSender);
+    out.push_back(static_cast<std::uint8_t>(by.size()));
+    out.insert(out.end(), by.begin(), by.end());
+  }
   if (command.plan) {
     const std::string text = write_mission(*command.plan);
     out.insert(out.end(), text.begin(), text.end());
@@ -85,15 +95,22 @@ FrameBytes to_bytes(const OperatorCommand& command) {
 OperatorCommand command_of(Bytes word) {
   using Kind = OperatorCommand::Kind;
   const Place place{"operator link"};
-  if (word.size() < 2 || word[0] != 'c' || word[1] > static_cast<std::uint8_t>(Kind::kAcknowledge)) {
+  if (word.size() < 2 || word[0] != 'c' || word[1] > static_cast<std::uint8_t>(Kind::kHandOver)) {
     throw Error("not a command", place);
   }
   OperatorCommand command{static_cast<Kind>(word[1]), nullptr};
-  if (word.size() > 2) {
-    const std::string text(word.begin() + 2, word.end());
+  std::size_t read = 2;
+  if (names_sender(command.kind)) {
+    if (word.size() < 3 || word.size() < std::size_t{3} + word[2]) throw Error("a command that is cut short", place);
+    read = std::size_t{3} + word[2];
+    command.by = printable_text({reinterpret_cast<const char*>(word.data()) + 3, word[2]}, kMaxSender);
+  }
+  if (word.size() > read) {
+    const std::string text(word.begin() + static_cast<std::ptrdiff_t>(read), word.end());
     command.plan = std::make_shared<const MissionPlan>(parse_mission(text, place.file));
   }
-  if (command.kind == Kind::kStart && !command.plan) throw Error("a start without a mission", place);
+  const bool needs_plan = command.kind == Kind::kStart || command.kind == Kind::kNewMission;
+  if (needs_plan && !command.plan) throw Error("a start without a mission", place);
   return command;
 }
 

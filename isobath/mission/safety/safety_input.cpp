@@ -318,6 +318,7 @@ void SafetyOfficer::start(const std::shared_ptr<const MissionPlan>& plan) {
   refusal_.reset();
   inside_.clear();
   way_.reset();
+  tried_point_.reset();
   ever_planned_ = false;
   for (Row& row : rows_) row.aborted = false;
   for (Fault again : {Fault::kMissionTooLong, Fault::kBatteryLow}) row(again) = Row{};

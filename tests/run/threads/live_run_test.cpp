@@ -135,11 +135,11 @@ TEST(LiveRun, FollowsWhatIsOrderedAtThePage) {
   RunRequest request = live_request(test::scratch_folder() / "out");
   request.watch.emplace();
   request.watch->display = &items;
-  request.watch->ordered = [&]() -> std::optional<OperatorCommand::Kind> {
+  request.watch->ordered = [&]() -> std::optional<OperatorCommand> {
     const auto [first, last] = items.times();
     if (ordered || to_seconds(last - first) < 20) return std::nullopt;
     ordered = true;
-    return OperatorCommand::Kind::kAbort;
+    return OperatorCommand{OperatorCommand::Kind::kAbort};
   };
   const RunOutcome outcome = run(request);
   ASSERT_TRUE(outcome.mission);

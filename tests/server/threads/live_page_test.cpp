@@ -88,6 +88,7 @@ TEST(LivePage, EachPageEndsWithWhatTheRunHas) {
   WebServerConfig config;
   config.port = 0;
   config.frames_hz = 60;
+  config.silent_s = config.stalled_s = 3600;  // a loaded machine drops no page
   WebSite site;
   site.sockets["/socket"].open = [&] { return std::make_unique<PageSession>(sources); };
   WebServer server(config, std::move(site));
@@ -184,7 +185,7 @@ TEST(LivePage, CommandsComeThroughForWhoMayGiveThem) {
   sources.live = std::make_shared<SharedChanges>(items);
   sources.live_span = [] { return TimeSpan{}; };
   sources.token = "correct horse battery";
-  sources.command = [&](PageCommand command) {
+  sources.command = [&](PageCommand command, const std::string& /*by*/) {
     aborted += command == PageCommand::kAbort ? 1 : 0;
     return std::string();
   };

@@ -133,6 +133,13 @@ TEST(WebServer, ServesFilesWithWhatKeepsThemIn) {
   EXPECT_EQ(site.refused("not_found"), 1u);
 }
 
+TEST(WebServer, StandsOnlyInFramesOfTheOriginsThatItsSettingsName) {
+  Site site([](WebServerConfig& c) { c.frame_origins = "http://blueos.local, http://192.168.2.2"; });
+  const std::string page = site.get("/");
+  EXPECT_THAT(page, HasSubstr("frame-ancestors http://blueos.local http://192.168.2.2\r\n"));
+  EXPECT_THAT(page, Not(HasSubstr("X-Frame-Options")));
+}
+
 TEST(WebServer, GzipForWhoTakesIt) {
   Site site;
   const std::string zipped = site.get("/", "Accept-Encoding: br, gzip\r\n");
@@ -394,10 +401,10 @@ std::string repeated(const std::string& bytes, int times) {
 INSTANTIATE_TEST_SUITE_P(
     , WebServerHangsUp,
     testing::Values(BadMessage{"Binary", frame_bytes(test::kBinary, "x"), 1003, "binary"},
-                    BadMessage{"TooLong", frame_bytes(test::kText, std::string(5000, 'x')), 1009, "message_bytes"},
+                    BadMessage{"TooLong", frame_bytes(test::kText, std::string(20000, 'x')), 1009, "message_bytes"},
                     BadMessage{"TooLongInPieces",
-                               frame_bytes(test::kText, std::string(3000, 'x'), false) +
-                                   frame_bytes(test::kContinuation, std::string(3000, 'x')),
+                               frame_bytes(test::kText, std::string(9000, 'x'), false) +
+                                   frame_bytes(test::kContinuation, std::string(9000, 'x')),
                                1009, "message_bytes"},
                     BadMessage{"PromisesTooMuch", std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff\0\0\0\0", 14),
                                1009, "message_bytes"},

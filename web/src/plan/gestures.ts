@@ -9,6 +9,8 @@ export interface Gestured {
   /** True: this view handles the drag that begins here itself (a ruler); it gets `pull` until the drag ends. */
   grasp(x: number, y: number): boolean;
   pull(x: number, y: number): void;
+  /** The pointers that were down are up. */
+  release?(): void;
 }
 
 /** px: a finger may slip this far in a tap. */
@@ -58,6 +60,7 @@ export function listen(element: HTMLElement, view: Gestured): void {
     element.addEventListener(name, (event) => {
       down.delete(event.pointerId);
       pulling = false;
+      view.release?.();
       if (pressed && name === 'pointerup') view.tap?.(...pressed);
       pressed = null;
     });

@@ -2,7 +2,7 @@
 import { byId, context, fit, make, mark, pixelRatio, say } from '../dom';
 import { geoPlace } from '../geo';
 import type { Decision } from '../items';
-import { DepthFlag, Kind } from '../protocol';
+import { DepthFlag, Kind, type Point } from '../protocol';
 import * as units from '../units';
 import type { Shared, View } from '../view';
 import { alongLine } from './along_line';
@@ -33,7 +33,22 @@ const kBegun = 30;
 /** m: a sonar that reaches farther is shown up to here. */
 const kFar = 300;
 
+/** What edits on the chart. While it is at work, a press and a drag are for it. */
+export interface ChartEditor {
+  /** Whether its draft is drawn instead of the mission. */
+  readonly replacesMission: boolean;
+  /** True: it has taken hold of something, which follows the pointer. */
+  grasp(camera: Camera, x: number, y: number): boolean;
+  pull(at: Point): void;
+  release(): void;
+  /** True: the press was for it. */
+  tap(camera: Camera, x: number, y: number): boolean;
+  draw(pen: Pen): void;
+  told(camera: Camera): string;
+}
+
 export class PlanView implements View, Gestured {
+  editor: ChartEditor | null = null;
   private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
   private readonly readout = byId('plan-readout');
   private readonly followButton = byId<HTMLButtonElement>('plan-follow');
@@ -103,6 +118,10 @@ export class PlanView implements View, Gestured {
   }
   private dirty = true;
 
+  /** Draws at the next frame though the model has not changed. */
+  refresh(): void {
+    this.touch();
+  }
   /** Requests a redraw after a change of this view alone. */
   private touch(): void {
     this.dirty = true;
@@ -156,13 +175,14 @@ export class PlanView implements View, Gestured {
     drawGrid(pen);
     layer('grid', model.grid !== null, () => this.grid.draw(pen, model.grid!));
     layer('samples', model.sonars.size > 0, () => this.samples.draw(pen, model));
-    layer('fence', !!scene && scene.fence.length + scene.keepOut.length > 0, () => drawFences(pen, scene!));
+    const edited = this.editor?.replacesMission === true;
+    layer('fence', !!scene && scene.fence.length + scene.keepOut.length > 0, () => edited || drawFences(pen, scene!));
     layer(
       'oldWays',
       model.decisions.some(({ way }) => way.length > 1),
       () => moving.drawOldWays(pen, model),
     );
-    layer('mission', (scene?.mission.length ?? 0) > 0, () => drawMission(pen, scene!, model.way?.target));
+    layer('mission', (scene?.mission.length ?? 0) > 0, () => edited || drawMission(pen, scene!, model.way?.target));
     layer('track', model.track.size > 0, () => moving.drawTrack(pen, model));
     layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
     layer('bodies', (scene?.bodies.length ?? 0) > 0, () => drawBodies(pen, scene!));
@@ -172,6 +192,7 @@ export class PlanView implements View, Gestured {
     layer('sounds', model.sounds.length > 0, () => drawSounds(pen, model));
     layer('way', model.way !== null, () => moving.drawWay(pen, model));
     if (decision) moving.drawDecision(pen, decision);
+    this.editor?.draw(pen);
     layer('partners', model.partners.size > 0, () => moving.drawPartners(pen, model));
     layer('vehicle', true, () => moving.drawVehicle(pen, model));
     if (decision) drawMeeting(pen, model, decision);
@@ -201,6 +222,7 @@ export class PlanView implements View, Gestured {
     const numbered = tracks.tracked(this.shared.model).filter(({ number }) => number !== undefined);
     const met = this.decision && meeting(this.decision);
     mark(this.canvas, 'meeting', met ? `vehicle${met.body ? ' body' : ''}` : '');
+    mark(this.canvas, 'draft', this.editor?.told(this.camera) ?? '');
     const movers = this.layers.shows('predicted') ? moversOf(this.shared.model, this.decision) : [];
     mark(this.canvas, 'predicted', movers.map(({ number }) => number ?? '?').join());
     mark(this.canvas, 'obstacles', numbered.map((t) => this.told(t)).join(';'));
@@ -279,7 +301,7 @@ export class PlanView implements View, Gestured {
     this.touch();
   }
   tap(x: number, y: number): void {
-    if (this.measuring) return;
+    if (this.measuring || this.editor?.tap(this.camera, x, y)) return;
     const at = this.camera.place(x, y);
     const there = this.obstacleAt(tracks.tracked(this.shared.model), at);
     this.shared.obstacle = there?.number ?? null;
@@ -287,15 +309,19 @@ export class PlanView implements View, Gestured {
     this.touch();
   }
   grasp(x: number, y: number): boolean {
-    if (!this.measuring) return false;
+    if (!this.measuring) return this.editor?.grasp(this.camera, x, y) ?? false;
     const from = this.camera.place(x, y);
     this.ruler = { from, to: from };
     this.touch();
     return true;
   }
   pull(x: number, y: number): void {
-    if (this.ruler) this.ruler.to = this.camera.place(x, y);
+    if (!this.measuring) this.editor?.pull(this.camera.place(x, y));
+    else if (this.ruler) this.ruler.to = this.camera.place(x, y);
     this.touch();
+  }
+  release(): void {
+    this.editor?.release();
   }
 
   follow(on: boolean): void {
