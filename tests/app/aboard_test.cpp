@@ -41,6 +41,14 @@ std::vector<json> lines_of(const fs::path& file) {
   return lines;
 }
 
+Joined run(const std::string& script, const fs::path& folder) {
+  Joined joined;
+  joined.result = in_bash(script, {folder.string()});
+  joined.stand_in = lines_of(folder / "stand_in.jsonl");
+  joined.aboard = lines_of(folder / "aboard.jsonl");
+  return joined;
+}
+
 /// Starts the stand-ins at free ports, then `isobath aboard` with a vehicle file that names them.
 Joined join(const fs::path& folder, const std::string& stand_in, const std::string& aboard,
             const std::string& autopilot = "") {
@@ -64,11 +72,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
     code=$?
     kill -INT $stand_in; wait $stand_in
     exit $code)";
-  Joined joined;
-  joined.result = in_bash(script, {folder.string()});
-  joined.stand_in = lines_of(folder / "stand_in.jsonl");
-  joined.aboard = lines_of(folder / "aboard.jsonl");
-  return joined;
+  return run(script, folder);
 }
 
 TEST(Aboard, SailsTheMissionOfTheAutopilot) {
@@ -117,8 +121,7 @@ Joined join_moos(const fs::path& folder) {
       R"(
     cd "$1"
     timeout 120 "$0" stand-in scene.toml --json --speed 2 --front-seat moos --autopilot tcp-server:0 \
-      --device ping360=udp-server:0 --device ping1d=udp-server:0 )" +
-      stand_in + R"( > stand_in.jsonl & stand_in=$!
+      --device ping360=udp-server:0 --device ping1d=udp-server:0 > stand_in.jsonl & stand_in=$!
     until [ -s stand_in.jsonl ] || ! kill -0 $stand_in 2> /dev/null; do sleep 0.05; done
     port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
     sed "s/:9000\"/:$(port autopilot)\"/; s/:9092\"/:$(port ping360)\"/; s/:9090\"/:$(port ping1d)\"/" moos.toml > vehicle.toml
@@ -127,11 +130,7 @@ Joined join_moos(const fs::path& folder) {
     code=$?
     kill -INT $stand_in; wait $stand_in
     exit $code)";
-  Joined joined;
-  joined.result = in_bash(script, {folder.string()});
-  joined.stand_in = lines_of(folder / "stand_in.jsonl");
-  joined.aboard = lines_of(folder / "aboard.jsonl");
-  return joined;
+  return run(script, folder);
 }
 
 TEST(Aboard, SailsAMissionInAMoosCommunity) {
