@@ -46,9 +46,14 @@ void say(const AboardCommand& options, const std::string& line) {
 std::string missing(VehicleLinks& links) {
   const VehicleFile& file = links.file();
   if (file.mission_from == VehicleFile::MissionFrom::kNone) return {};
-  AutopilotLink& autopilot = links.autopilot();
-  if (autopilot.authority() == Authority::kNoAutopilot) return "the autopilot, at " + file.autopilot.link;
-  if (!autopilot.origin()) return "the position of the autopilot: it has not stated its origin";
+  const FrontSeat& autopilot = links.autopilot();
+  const bool moos = file.autopilot.kind == FrontSeatKind::kMoos;
+  if (autopilot.authority() == Authority::kNoAutopilot)
+    return fmt::format("the {}, at {}", moos ? "MOOSDB" : "autopilot", file.autopilot.link);
+  if (!autopilot.origin()) {
+    return moos ? "the origin of the local grid: write latitude_deg and longitude_deg into [autopilot]"
+                : "the position of the autopilot: it has not stated its origin";
+  }
   if (file.mission_from == VehicleFile::MissionFrom::kAutopilot && !autopilot.mission())
     return "the mission of the autopilot";
   return {};
@@ -75,6 +80,14 @@ bool wait_for_autopilot(const AboardCommand& options, VehicleLinks& links) {
   }
 }
 
+/// The state of the front seat, and when Isobath steers.
+std::string steering_text(const AboardCommand& options, VehicleLinks& links) {
+  const bool moos = links.file().autopilot.kind == FrontSeatKind::kMoos;
+  const char* const when = moos ? "while it is false" : "while it is armed and in GUIDED";
+  return fmt::format("{} {}; {}", moos ? "the MOOSDB states" : "the autopilot is in", links.autopilot().mode(),
+                     options.dry_run ? "a dry run: nothing is commanded" : fmt::format("Isobath steers {}", when));
+}
+
 /// The mission file of the run; empty: none.
 std::filesystem::path mission_of(const AboardCommand& options, VehicleLinks& links) {
   const VehicleFile& file = links.file();
@@ -86,7 +99,7 @@ std::filesystem::path mission_of(const AboardCommand& options, VehicleLinks& lin
   }
   const std::filesystem::path plan = options.request.out / "autopilot.plan";
   std::filesystem::create_directories(options.request.out);
-  write_whole_file(plan, qground_text(*links.autopilot().mission()));
+  write_whole_file(plan, *links.autopilot().mission());
   return plan;
 }
 
@@ -167,7 +180,8 @@ int aboard(AboardCommand& options) {
   check_output_is_no_input(request.record, {request.input}, "--record");
   make_parent(request.record);
   const VehicleFile file = load_vehicle_file(request.input.string());
-  const VehicleParameters vehicle = parameters_of(control_vehicle(file.model));
+  VehicleParameters vehicle = parameters_of(control_vehicle(file.model));
+  if (file.autopilot.kind == FrontSeatKind::kMoos) vehicle.can_sway = false;  // MOOS has no variable for it
   listen_for_interrupt();
   // The clock of stand-ins that run n times as fast leaves an agent a n-th of the time for its turn.
   int& missed_ticks = request.configuration.executor.missed_ticks;
@@ -184,9 +198,7 @@ int aboard(AboardCommand& options) {
     print_json_line({{"event", "aboard"}, {"url", page.place()}, {"mode", links.autopilot().mode()}});
   } else {
     if (!page.place().empty()) say(options, page.place() + " shows the vehicle; press Ctrl-C to end");
-    say(options, fmt::format("the autopilot is in {}{}", links.autopilot().mode(),
-                             options.dry_run ? "; a dry run: nothing is commanded"
-                                             : "; Isobath steers while it is armed and in GUIDED"));
+    say(options, steering_text(options, links));
   }
   std::future<RunOutcome> running = std::async(std::launch::async, [&] { return run(request); });
   while (running.wait_for(kLook) != std::future_status::ready) {

@@ -20,6 +20,7 @@ namespace {
 
 struct StandInCommand {
   std::filesystem::path scene;
+  std::string front_seat = "ardusub";
   StandInRequest request;
   std::vector<std::string> devices, pilot;
   std::string key_file;
@@ -83,6 +84,8 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
          {"longest_gap_s", counts.longest_gap_s},
          {"rings", counts.rings},
          {"points", counts.points},
+         {"obstacles", counts.obstacles},
+         {"malformed", counts.malformed},
          {"texts", counts.texts},
          {"moved_m", counts.moved_m},
          {"pulled", pulled}});
@@ -92,7 +95,13 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
              truth.min_clearance_m);
   fmt::print("the autopilot followed {} set-points, the oldest {:.3f} s old, at most {:.3f} s apart; refused {}\n",
              counts.setpoints, counts.oldest_s, counts.longest_gap_s, counts.refused);
-  fmt::print("it heard {} rings and {} points of obstacles, and {} texts\n", counts.rings, counts.points, counts.texts);
+  if (options.request.front_seat == FrontSeatKind::kMoos) {
+    fmt::print("it heard {} obstacles, {} texts, and {} messages that cannot be read\n", counts.obstacles, counts.texts,
+               counts.malformed);
+  } else {
+    fmt::print("it heard {} rings and {} points of obstacles, and {} texts\n", counts.rings, counts.points,
+               counts.texts);
+  }
   if (counts.moved_m > 0) fmt::print("a DVL measured {:.1f} m of motion\n", counts.moved_m);
   if (counts.untrusted > 0) fmt::print("it refused {} frames without the right signature\n", counts.untrusted);
   if (pulled > 0) fmt::print("cables were pulled {} times\n", pulled);
@@ -101,6 +110,10 @@ void print_end(const StandInCommand& options, const StandIns& stand_ins) {
 int stand_in(StandInCommand& options) {
   options.request.devices = devices_of(options.devices);
   options.request.turns = turns_of(options.pilot);
+  const bool moos = options.front_seat == "moos";
+  if (moos) options.request.front_seat = FrontSeatKind::kMoos;
+  if (moos && !options.key_file.empty())
+    throw Error("messages of MOOS are not signed", {"--key-file"}, "", "leave it out");
   if (!options.key_file.empty()) options.request.key.emplace(secret_of_file(options.key_file));
   listen_for_interrupt();
   StandIns stand_ins(open_scenario(options.scene), options.request);
@@ -110,7 +123,10 @@ int stand_in(StandInCommand& options) {
     if (!options.json) fmt::print("{} at port {}\n", to_text(device->kind()), device->port());
   }
   if (options.json) print_json_line({{"event", "ready"}, {"ports", ports}});
-  if (!options.json) fmt::print("the autopilot speaks to {}\n", options.request.autopilot);
+  if (!options.json)
+    fmt::print("the {} {}\n",
+               options.request.front_seat == FrontSeatKind::kMoos ? "MOOSDB is at" : "autopilot speaks to",
+               stand_ins.autopilot_link());
   std::fflush(stdout);
   while (!is_interrupted() && stand_ins.step()) continue;
   print_end(options, stand_ins);
@@ -127,9 +143,14 @@ Action add_stand_in(CLI::App& program) {
   command->add_option("SCENE", options->scene, "Scene with a mission and a place on the globe (.toml)")
       ->check(reads())
       ->default_str("the embedded scene");
+  command
+      ->add_option("--front-seat", options->front_seat, "What controls the vehicle: an ArduSub autopilot or a MOOSDB")
+      ->check(one_of({"ardusub", "moos"}))
+      ->capture_default_str()
+      ->group("Links");
   command->add_option("--autopilot", request.autopilot, "Link to the companion computer")
       ->type_name("LINK")
-      ->capture_default_str()
+      ->default_str("udp:127.0.0.1:14550; of a MOOSDB tcp-server:9000")
       ->group("Links");
   command->add_option("--device", options->devices, "A device and its link, such as ping360=udp-server:9092")
       ->type_name("KIND=LINK")
@@ -165,13 +186,16 @@ Action add_stand_in(CLI::App& program) {
       ->group("Run");
   command
       ->add_option("--guided-after", request.guided_after_s,
-                   "The pilot arms and chooses GUIDED so many seconds after a companion is heard")
+                   "The pilot arms and chooses GUIDED, or sets MOOS_MANUAL_OVERRIDE to false, so many seconds after a "
+                   "companion is heard")
       ->check(number(0.0, 3600.0))
       ->capture_default_str()
       ->group("Run");
   command->add_flag("--stay", request.stays, "Go on 5 s after the companion has fallen silent, for the next one")
       ->group("Run");
-  command->add_option("--pilot", options->pilot, "The pilot takes over, s after GUIDED was chosen, such as 20-30")
+  command
+      ->add_option("--pilot", options->pilot,
+                   "The pilot takes over, s after the companion first had the vehicle, such as 20-30")
       ->type_name("FROM-TO")
       ->allow_extra_args(false)
       ->group("Run");
@@ -179,6 +203,7 @@ Action add_stand_in(CLI::App& program) {
       ->group("Output");
   add_example(*command, "stand-in scenarios/aboard.toml --device ping360=udp-server:9092");
   add_example(*command, "stand-in scenarios/aboard.toml --autopilot udp-server:0 --pilot 20-30 --speed 4");
+  add_example(*command, "stand-in scenarios/aboard.toml --front-seat moos");
   return [options] {
     const int seed = options->request.simulation.seed;
     options->request.unplug.seed = seed < 0 ? 1 : static_cast<std::uint64_t>(seed);

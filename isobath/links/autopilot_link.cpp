@@ -5,6 +5,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/secret_file.hpp>
 #include <isobath/links/autopilot_link.hpp>
+#include <isobath/links/obstacle_ring.hpp>
 #include <utility>
 #include <vector>
 
@@ -16,7 +17,6 @@ using namespace mavlink;
 constexpr std::uint8_t kAutopilotComponent = 1;
 constexpr std::uint16_t kRequestMessage = 512;
 constexpr Duration kBeat = std::chrono::seconds(1), kSyncInterval = std::chrono::seconds(2);
-constexpr Duration kOldest = std::chrono::milliseconds(300);  // event that a set-point may still answer
 constexpr Duration kAskInterval = std::chrono::seconds(2);
 
 std::uint32_t milliseconds(Duration since) {
@@ -35,27 +35,8 @@ const char* words_for(Authority authority) {
 
 }  // namespace
 
-std::vector<Field> fields(AutopilotLinkConfig& c) {
-  return {
-      Field::text("link", &c.link, "Where the autopilot is, such as udp-server:14550 or tcp:127.0.0.1:5777."),
-      Field::integer("system", &c.system, {0, 255}, "", "MAVLink system of the vehicle; 0: the first that is heard."),
-      Field::real("rate_hz", &c.rate_hz, {1, 50}, "Hz", "Rate of attitude and position that are asked for."),
-      Field::real("depth_gain", &c.depth_gain, {0.05, 5}, "1/s", "Velocity down for a metre of depth error."),
-      Field::real("max_dive_rate", &c.max_dive_rate, {0.05, 2}, "m/s", "Largest velocity up or down."),
-      Field::flag("dvl_motion", &c.dvl_motion,
-                  "Whether the motion that a DVL measures is sent as VISION_POSITION_DELTA, for the navigation of the "
-                  "autopilot (VISO_TYPE 1)."),
-      Field::flag("obstacle_points", &c.obstacle_points,
-                  "Whether obstacles are sent as points (OBSTACLE_DISTANCE_3D) and not as distances around the vehicle "
-                  "(OBSTACLE_DISTANCE)."),
-      Field::text("key_file", &c.key_file,
-                  "File with the passphrase of MAVLink signing, as the ground station has it: frames are signed, and "
-                  "those without the right signature are refused. Empty: no signatures.")};
-}
-
-AutopilotLink::AutopilotLink(const AutopilotLinkConfig& config, LinkSource& events)
-    : config_(config),
-      events_(events),
+AutopilotLink::AutopilotLink(const FrontSeatConfig& config, LinkSource& events)
+    : FrontSeat(config, events),
       vehicle_(input_, report_),
       frames_(mavlink_frame_at),
       writer_(static_cast<std::uint8_t>(std::max(1, config.system)), kObstacleAvoidance) {
@@ -83,13 +64,7 @@ void AutopilotLink::on_bytes(Bytes bytes, Time time) {
       on_frame(mavlink_frame(found->frame), time);
     }
   }
-  const std::lock_guard lock(mutex_);
-  counts_.damaged += report_.bytes_skipped > 0 ? 1 : 0;
-  if (report_.bytes_skipped > 0) events_.refuse("autopilot: bytes that are no frame");
-  for (const auto& [reason, count] : report_.rejected) events_.refuse("autopilot: " + reason, count);
-  report_.rejected.clear();
-  report_.damages.clear();
-  report_.bytes_skipped = 0;
+  tell_refused(report_);
 }
 
 void AutopilotLink::on_frame(const MavlinkFrame& frame, Time time) {
@@ -153,11 +128,6 @@ Authority AutopilotLink::authority_at(Time now) const {
   return guided ? Authority::kOurs : Authority::kOtherMode;
 }
 
-Authority AutopilotLink::authority() const {
-  const std::lock_guard lock(mutex_);
-  return authority_at(hub_->now());
-}
-
 std::string AutopilotLink::mode() const {
   const std::lock_guard lock(mutex_);
   if (!heard_) return "not heard";
@@ -174,15 +144,10 @@ void AutopilotLink::want_mission() {
   wants_mission_ = true;
 }
 
-std::optional<AutopilotPlan> AutopilotLink::mission() const {
+std::optional<std::string> AutopilotLink::mission() const {
   const std::lock_guard lock(mutex_);
   if (!mission_problem_.empty()) throw Error(mission_problem_, {config_.link}, "", "try again, or name a mission file");
-  return plan_;
-}
-
-AutopilotLink::Counts AutopilotLink::counts() const {
-  const std::lock_guard lock(mutex_);
-  return counts_;
+  return plan_ ? std::optional(qground_text(*plan_)) : std::nullopt;
 }
 
 void AutopilotLink::ask_for_messages() {
@@ -247,13 +212,7 @@ bool AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
   VelocityTarget target;
   {
     const std::lock_guard lock(mutex_);
-    const bool stale = now - answers > kOldest;  // a run that is behind its devices: the autopilot stops by itself
-    if (authority_at(now) != Authority::kOurs || !fix_ || !boot_ || stale) {
-      ++counts_.withheld;
-      return false;
-    }
-    if (now - setpoint_ < kSetpointInterval) return false;
-    setpoint_ = now;
+    if (!admits_setpoint(now, answers, fix_ && boot_)) return false;
     const double rate = std::min(config_.max_dive_rate, limits.limits.max_climb_rate);
     const double depth_error = setpoint.depth - fix_->X_WB.translation.z();
     const double c = cos(setpoint.heading), s = sin(setpoint.heading);
@@ -265,12 +224,7 @@ bool AutopilotLink::command(const Setpoint& setpoint, const VehicleParameters& l
     target.system = system_;
   }
   hub_->post([this, body = target.body(), answers] {
-    const bool stale = hub_->now() - answers > kOldest;  // the thread of the links had to wait
-    {
-      const std::lock_guard lock(mutex_);
-      ++(stale ? counts_.withheld : counts_.setpoints);
-    }
-    if (!stale) send(VelocityTarget::kId, body);
+    if (releases_setpoint(hub_->now(), answers)) send(VelocityTarget::kId, body);
   });
   return true;
 }
@@ -284,7 +238,17 @@ void AutopilotLink::show(const ObstacleDistance& ring) {
   hub_->post([this, body = ring.body()] { send(ObstacleDistance::kId, body); });
 }
 
-void AutopilotLink::show(std::span<const ObstacleDistance3d> points) {
+void AutopilotLink::show(const Surroundings& around, const Navigation& fix, Time now) {
+  const ObstacleDistance ring = obstacle_ring(around, fix, now);
+  if (config_.obstacle_points) {
+    show(ring_points(ring));
+  } else {
+    show(ring);
+  }
+  show_value("nearest", nearest_m(around, fix));
+}
+
+void AutopilotLink::show(const std::vector<ObstacleDistance3d>& points) {
   std::uint32_t boot_ms = 0;
   {
     const std::lock_guard lock(mutex_);

@@ -14,7 +14,7 @@ Schema schema_of(VehicleFile& file) {
         {Field::text("title", &file.title, "What the page and the report call it."),
          Field::text("model", &file.model,
                      "Its size and limits: a vehicle file (.toml), or the name of one that the program has.")}},
-       {"autopilot", "The autopilot, over MAVLink.", fields(file.autopilot)},
+       {"autopilot", "What controls the vehicle: an ArduSub autopilot or a MOOS community.", fields(file.autopilot)},
        {"mission",
         "The mission.",
         {Field::choice("from", &file.mission_from,
@@ -31,6 +31,17 @@ void check_link(const DeviceConfig& device) {
     throw Error(device.link + ": NMEA 0183 is only heard, and is not sent to", device.place, "udp-server:PORT");
 }
 
+void check_front_seat(const VehicleFile& file) {
+  const LinkAddress address = link_address_of(file.autopilot.link, "autopilot.link");
+  if (file.autopilot.kind != FrontSeatKind::kMoos) return;
+  if (address.kind != LinkAddress::Kind::kTcp)
+    throw Error(file.autopilot.link + ": a MOOSDB is reached over TCP", {.key = "autopilot.link"}, "tcp:HOST:9000");
+  if (file.autopilot.client.empty()) throw Error("the MOOS client has no name", {.key = "autopilot.client"});
+  if (file.mission_from == VehicleFile::MissionFrom::kAutopilot)
+    throw Error("a MOOS community holds no mission for Isobath", {.key = "mission.from"}, "",
+                "write from = \"file\" and file = \"mission.toml\", or from = \"none\", into [mission]");
+}
+
 void check_devices(const VehicleFile& file) {
   std::vector<std::string> names;
   bool navigates = false;
@@ -43,7 +54,7 @@ void check_devices(const VehicleFile& file) {
       throw Error("two devices are called " + device.called(), device.place, "", "give each a name");
     names.push_back(device.called());
   }
-  (void)link_address_of(file.autopilot.link, "autopilot.link");
+  check_front_seat(file);
   if (file.mission_from == VehicleFile::MissionFrom::kFile && file.mission_file.empty())
     throw Error("the mission is to come from a file, but none is named", {.key = "mission.file"});
 }

@@ -14,8 +14,8 @@
 // Reading throws Error with line and column.
 #pragma once
 
-#include <isobath/links/autopilot_link.hpp>
 #include <isobath/links/device_config.hpp>
+#include <isobath/links/front_seat.hpp>
 
 namespace isobath {
 
@@ -23,7 +23,7 @@ struct VehicleFile {
   enum class MissionFrom : std::uint8_t { kNone, kFile, kAutopilot };
   std::string title;
   std::string model = "bluerov2";
-  AutopilotLinkConfig autopilot;
+  FrontSeatConfig autopilot;
   MissionFrom mission_from = MissionFrom::kAutopilot;
   std::string mission_file;  ///< relative to the vehicle file
   std::vector<DeviceConfig> devices;

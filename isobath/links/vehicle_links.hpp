@@ -4,7 +4,7 @@
 //   vehicle.start();
 //   while (auto event = vehicle.source().next()) { ...; vehicle.autopilot().command(setpoint, ...); }
 //
-// Any thread may call what AutopilotLink and DeviceLink allow.
+// Any thread may call what FrontSeat and DeviceLink allow.
 #pragma once
 
 #include <isobath/links/device_link.hpp>
@@ -19,13 +19,13 @@ class VehicleLinks {
   explicit VehicleLinks(VehicleFile file, double speed = 1);
   VehicleLinks(const VehicleLinks&) = delete;
   VehicleLinks& operator=(const VehicleLinks&) = delete;
-  ~VehicleLinks() { hub_.stop(); }
+  ~VehicleLinks();
 
   void start() { hub_.start(); }
   [[nodiscard]] Time now() const { return hub_.now(); }
   [[nodiscard]] const VehicleFile& file() const { return file_; }
   [[nodiscard]] LinkSource& source() { return source_; }
-  [[nodiscard]] AutopilotLink& autopilot() { return autopilot_; }
+  [[nodiscard]] FrontSeat& autopilot() { return *autopilot_; }
   /// The first scanning head or multibeam sonar takes the command.
   void scan(const ScanCommand& command);
   [[nodiscard]] const std::vector<std::unique_ptr<DeviceLink>>& devices() const { return devices_; }
@@ -34,7 +34,7 @@ class VehicleLinks {
   const VehicleFile file_;
   LinkHub hub_;  ///< its thread ends before what it calls
   LinkSource source_;
-  AutopilotLink autopilot_;
+  std::unique_ptr<FrontSeat> autopilot_;  ///< never null
   std::vector<std::unique_ptr<DeviceLink>> devices_;
 };
 

@@ -8,27 +8,6 @@ namespace {
 
 constexpr Duration kRingInterval = std::chrono::milliseconds(250), kTextInterval = std::chrono::seconds(1);
 constexpr std::size_t kMostArrivals = 256;
-constexpr double kLeastRange_m = 0.3;
-
-std::uint16_t centimetres(double metres) {
-  return static_cast<std::uint16_t>(std::clamp(std::lround(metres * 100), 0L, 65000L));
-}
-
-/// The ring's obstacles as points at the vehicle's depth.
-std::vector<mavlink::ObstacleDistance3d> points_of(const mavlink::ObstacleDistance& ring) {
-  std::vector<mavlink::ObstacleDistance3d> points;
-  for (std::size_t i = 0; i < ring.cm.size(); ++i) {
-    if (ring.cm[i] > ring.max_cm) continue;  // nothing there, or unknown
-    const Angle bearing = Angle::degrees(5.0 * static_cast<double>(i));
-    const double range_m = ring.cm[i] / 100.0;
-    points.push_back({.x = static_cast<float>(range_m * cos(bearing)),
-                      .y = static_cast<float>(range_m * sin(bearing)),
-                      .min_m = ring.min_cm / 100.0F,
-                      .max_m = ring.max_cm / 100.0F,
-                      .number = static_cast<std::uint16_t>(i)});
-  }
-  return points;
-}
 
 }  // namespace
 
@@ -57,7 +36,7 @@ void Aboard::on_scan(const ScanResult& scan) {
   const Angle turn = seen.X_WB.rotation.heading() - seen.heading;  // of directions in G into W
   const Eigen::Vector2d at_W = seen.X_WB.translation.head<2>();
   around.reach_m = cells.cell_m * std::min(cells.cells_x, cells.cells_y) / 2.0;
-  for (std::size_t i = 0; i < kDirections; ++i) {
+  for (std::size_t i = 0; i < Surroundings::kDirections; ++i) {
     const Angle direction_W = Angle::degrees(5.0 * static_cast<double>(i));
     const Angle direction_G = direction_W - turn;
     const Eigen::Vector2d ahead_G(cos(direction_G), sin(direction_G));
@@ -75,6 +54,8 @@ void Aboard::on_scan(const ScanResult& scan) {
     }
     around.clear[i] = clear;
   }
+  for (const Obstacle& obstacle : seen.obstacles)
+    around.obstacles.push_back({obstacle.number, world_outline(obstacle, seen.X_WB)});
   const std::lock_guard lock(mutex_);
   around_ = std::move(around);
 }
@@ -133,41 +114,12 @@ void Aboard::show_surroundings(const Navigation& fix, Time now) {
     around = around_;
   }
   if (around.reach_m <= 0) return;
-  mavlink::ObstacleDistance ring;
-  ring.time_us =
-      static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch()).count());
-  ring.min_cm = centimetres(kLeastRange_m);
-  ring.max_cm = centimetres(around.reach_m);
-  const Angle heading = fix.X_WB.rotation.heading();
-  const auto direction_of = [](Angle angle) {
-    const long i = std::lround(angle.degrees() / 5);
-    return static_cast<std::size_t>((i % long{kDirections} + long{kDirections}) % long{kDirections});
-  };
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    const Angle from_north = heading + Angle::degrees(5.0 * static_cast<double>(i));
-    ring.cm[i] = around.clear[direction_of(from_north)] ? static_cast<std::uint16_t>(ring.max_cm + 1)
-                                                        : mavlink::ObstacleDistance::kUnknown;
-  }
-  double nearest = around.reach_m;
-  for (const Eigen::Vector2d& hit : around.hits) {
-    const Eigen::Vector2d away = hit - fix.X_WB.translation.head<2>();
-    std::uint16_t& cm = ring.cm[direction_of(Angle::radians(std::atan2(away.y(), away.x())) - heading)];
-    const std::uint16_t here = std::min(centimetres(away.norm()), ring.max_cm);
-    const bool seen = cm <= ring.max_cm;
-    cm = seen ? std::min(cm, here) : here;
-    nearest = std::min(nearest, away.norm());
-  }
-  if (links_.file().autopilot.obstacle_points) {
-    links_.autopilot().show(points_of(ring));
-  } else {
-    links_.autopilot().show(ring);
-  }
-  links_.autopilot().show_value("nearest", nearest);
+  links_.autopilot().show(around, fix, now);
 }
 
 AboardOutcome Aboard::outcome() const {
   AboardOutcome outcome;
-  const AutopilotLink::Counts counts = links_.autopilot().counts();
+  const FrontSeat::Counts counts = links_.autopilot().counts();
   outcome.setpoints = counts.setpoints;
   outcome.withheld = counts.withheld;
   outcome.damaged = counts.damaged;

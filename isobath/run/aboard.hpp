@@ -1,22 +1,18 @@
 // Aboard: the run's end of a real vehicle: who may command it, what it is told, and how long that takes.
 //
-// The holder of the autopilot's controls is the operator. While the autopilot is armed and in GUIDED, the mission
-// starts, or goes on after a hold; when it is not, the mission holds and no set-point goes out (AutopilotLink). Orders
-// of the page are sent as those of the operator. While the autopilot is silent, no heartbeat of an operator is sent,
+// The holder of the vehicle's controls is the operator. While the front seat leaves the vehicle to Isobath (Authority),
+// the mission starts, or goes on after a hold; when it does not, the mission holds and no set-point goes out. Orders of
+// the page are sent as those of the operator. While the front seat is silent, no heartbeat of an operator is sent,
 // which raises the fault "operator link lost".
 //
-// To the autopilot go the set-point of the helm after each event, the obstacles of the last scan four times a second
-// (OBSTACLE_DISTANCE: nearest obstacle in each 5 degrees from the bow; a direction in which the grid holds cells that
-// were not looked at is unknown, not clear; or OBSTACLE_DISTANCE_3D), each decision of the agents as STATUSTEXT, at
-// most one a second, and the least distance to an obstacle as the value "nearest".
+// To the front seat (front_seat.hpp) go the set-point of the helm after each event, the obstacles of the last scan four
+// times a second, and each decision of the agents as a text, at most one a second.
 //
 // The latency of a ping is the time from its last byte until the first set-point that goes out after it has been
 // mapped. on_ping, on_scan and on_mapped belong to the mapping thread, all else to the source thread.
 #pragma once
 
-#include <array>
 #include <chrono>
-#include <isobath/io/formats/mavlink/mavlink_messages.hpp>
 #include <isobath/links/vehicle_links.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
 #include <isobath/onboard/helm.hpp>
@@ -61,13 +57,6 @@ class Aboard final : public OnboardObserver {
   [[nodiscard]] AboardOutcome outcome() const;
 
  private:
-  static constexpr std::size_t kDirections = mavlink::ObstacleDistance::kDirections;
-  /// What the last scan saw around the vehicle, in W.
-  struct Surroundings {
-    std::vector<Eigen::Vector2d> hits;
-    std::array<bool, kDirections> clear{};  ///< by direction from north: free up to the border of the grid
-    double reach_m = 0;
-  };
   void show_surroundings(const Navigation& fix, Time now);
 
   VehicleLinks& links_;

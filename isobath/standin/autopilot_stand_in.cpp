@@ -7,7 +7,7 @@ namespace {
 
 using namespace mavlink;
 
-constexpr Duration kTargetEnds = std::chrono::seconds(3), kDeserted = std::chrono::seconds(5);
+constexpr Duration kTargetEnds = std::chrono::seconds(3);
 constexpr Duration kBeatInterval = std::chrono::seconds(1), kBoot = std::chrono::seconds(10);
 constexpr double kDepthLeash_m = 1;  // between the wanted depth and the vehicle's
 constexpr std::uint16_t kRequestMessage = 512;
@@ -19,11 +19,7 @@ std::int32_t e7(double degrees) { return static_cast<std::int32_t>(std::lround(d
 
 AutopilotStandIn::AutopilotStandIn(AutopilotPlan plan, const GeoOrigin& origin, double guided_after_s,
                                    std::vector<PilotTurn> turns, const UnplugConfig& unplug)
-    : plan_(std::move(plan)),
-      origin_(origin),
-      guided_after_s_(guided_after_s),
-      turns_(std::move(turns)),
-      link_(unplug, 0) {}
+    : FrontSeatStandIn(unplug), plan_(std::move(plan)), origin_(origin), pilot_(guided_after_s, std::move(turns)) {}
 
 std::uint32_t AutopilotStandIn::boot_ms(Time now) const {
   const Duration since = now - booted_.value_or(now) + kBoot;
@@ -54,8 +50,7 @@ void AutopilotStandIn::on_frame(const MavlinkFrame& frame, Time now) {
   switch (frame.id) {
     case Heartbeat::kId:
       if (Heartbeat::of(p).type != kOnboardController) return;
-      if (!companion_first_) companion_first_ = now;
-      companion_last_ = now;
+      pilot_.on_companion(now);
       return;
     case TimeSync::kId: {
       const TimeSync sync = TimeSync::of(p);
@@ -127,11 +122,9 @@ void AutopilotStandIn::on_mission_frame(const MavlinkFrame& frame, const Mavlink
 }
 
 void AutopilotStandIn::choose_mode(Time now) {
-  if (!companion_first_ || to_seconds(now - *companion_first_) < guided_after_s_) return;
-  if (!guided_since_) guided_since_ = now;
-  const double t = to_seconds(now - *guided_since_);
-  const bool taken =
-      std::ranges::any_of(turns_, [t](const PilotTurn& turn) { return t >= turn.from_s && t < turn.to_s; });
+  const StandInPilot::Holder holder = pilot_.holder(now);
+  if (holder == StandInPilot::Holder::kNotYet) return;
+  const bool taken = holder == StandInPilot::Holder::kPilot;
   mode_ = taken ? SubMode::kPositionHold : SubMode::kGuided;
   armed_ = true;
   if (taken) target_.reset();
@@ -203,7 +196,7 @@ Setpoint AutopilotStandIn::setpoint(double dt_s) {
 
 bool AutopilotStandIn::deserted() const {
   const std::lock_guard lock(mutex_);
-  return companion_last_ && hub_->now() - *companion_last_ > kDeserted;
+  return pilot_.deserted(hub_->now());
 }
 
 AutopilotCounts AutopilotStandIn::counts() const {

@@ -11,8 +11,11 @@ constexpr std::uint16_t kWaypoint = 16, kChangeSpeed = 178, kPolygonIn = 5001;
 
 std::int32_t to_e7(double degrees) { return static_cast<std::int32_t>(std::lround(degrees * 1e7)); }
 
-StandInRequest paced(StandInRequest request) {
+/// With the speed of the cables and the usual link.
+StandInRequest completed(StandInRequest request) {
   request.unplug.speed = request.speed;
+  const bool moos = request.front_seat == FrontSeatKind::kMoos;
+  if (request.autopilot.empty()) request.autopilot = moos ? "tcp-server:9000" : "udp:127.0.0.1:14550";
   return request;
 }
 
@@ -22,6 +25,16 @@ GeoOrigin known_origin(const Scenario& scenario) {
     throw Error("the scene has no place on the globe", scenario.mission.place, "latitude_deg, longitude_deg");
   if (scenario.mission.points.empty()) throw Error("the scene has no mission", scenario.mission.place);
   return *origin;
+}
+
+std::unique_ptr<FrontSeatStandIn> make_front_seat_stand_in(const Scenario& scenario, const StandInRequest& request) {
+  const GeoOrigin origin = known_origin(scenario);
+  if (request.front_seat == FrontSeatKind::kMoos)
+    return std::make_unique<MoosStandIn>(request.guided_after_s, request.turns, request.unplug);
+  auto autopilot = std::make_unique<AutopilotStandIn>(autopilot_plan(scenario.mission, origin), origin,
+                                                      request.guided_after_s, request.turns, request.unplug);
+  if (request.key) autopilot->sign_with(*request.key);
+  return autopilot;
 }
 
 }  // namespace
@@ -61,15 +74,13 @@ AutopilotPlan autopilot_plan(const MissionPlan& plan, const GeoOrigin& origin) {
 }
 
 StandIns::StandIns(const Scenario& scenario, const StandInRequest& request)
-    : request_(paced(request)),
+    : request_(completed(request)),
       source_(scenario.scene, request.simulation),
       truth_(source_.simulator()),
       hub_(request.speed),
-      autopilot_(autopilot_plan(scenario.mission, known_origin(scenario)), known_origin(scenario),
-                 request.guided_after_s, request.turns, request_.unplug) {
+      autopilot_(make_front_seat_stand_in(scenario, request_)) {
   source_.tell_truth_to(truth_);
-  if (request.key) autopilot_.sign_with(*request.key);
-  autopilot_.use(hub_, hub_.add(link_address_of(request.autopilot, "--autopilot"), autopilot_));
+  autopilot_->use(hub_, hub_.add(link_address_of(request_.autopilot, "--autopilot"), *autopilot_));
   std::uint64_t stream = 1;
   for (const StandInRequest::Device& device : request.devices) {
     auto& made =
@@ -95,19 +106,19 @@ void StandIns::announce(const StandInRequest::Device& device) {
 }
 
 bool StandIns::step() {
-  if (!request_.stays && autopilot_.deserted()) return false;
+  if (!request_.stays && autopilot_->deserted()) return false;
   Simulator& simulator = source_.simulator();
   for (const auto& device : devices_) {
     if (const auto command = device->take_command()) simulator.command_scanning(*command);
   }
-  simulator.command(autopilot_.setpoint(simulator.now_s() - steered_s_));
+  simulator.command(autopilot_->setpoint(simulator.now_s() - steered_s_));
   steered_s_ = simulator.now_s();
   const auto event = source_.next();
   if (!event) return false;
   std::this_thread::sleep_until(began_ + std::chrono::duration<double>(to_seconds(time_of(*event)) / request_.speed));
-  if (const auto* fix = std::get_if<Navigation>(&*event)) autopilot_.on_fix(*fix);
+  if (const auto* fix = std::get_if<Navigation>(&*event)) autopilot_->on_fix(*fix);
   if (const auto* health = std::get_if<Health>(&*event); health && health->source == "vehicle")
-    autopilot_.on_battery(health->battery_share);
+    autopilot_->on_battery(health->battery_share);
   const Time now = hub_.now();
   for (const auto& device : devices_) device->on_event(*event, now);
   return true;

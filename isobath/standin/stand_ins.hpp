@@ -1,6 +1,6 @@
 // StandIns: a simulated vehicle whose devices and autopilot speak their own bytes over sockets, in the time of the
 // clock: what `isobath aboard` joins where no vehicle is. A scene gives the vehicle, its sonars and its world; the
-// autopilot holds the scene's mission, as if a ground station had planned it.
+// autopilot holds the scene's mission, as if a ground station had planned it; a MOOSDB holds none.
 //
 //   StandIns stand_ins(scenario, request);
 //   while (stand_ins.step()) {}
@@ -8,10 +8,12 @@
 // Throws Error if the scene has no origin on the globe or no mission, or a server cannot listen. One thread calls.
 #pragma once
 
+#include <isobath/links/front_seat.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/standin/autopilot_stand_in.hpp>
 #include <isobath/standin/device_stand_ins.hpp>
+#include <isobath/standin/moos_stand_in.hpp>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,7 +25,8 @@ AutopilotPlan autopilot_plan(const MissionPlan& plan, const GeoOrigin& origin);
 
 struct StandInRequest {
   SimulationConfig simulation;
-  std::string autopilot = "udp:127.0.0.1:14550";  ///< link_address.hpp
+  FrontSeatKind front_seat = FrontSeatKind::kArduSub;
+  std::string autopilot;  ///< link_address.hpp; empty: udp:127.0.0.1:14550, or tcp-server:9000 of a MOOSDB
   struct Device {
     DeviceKind kind = DeviceKind::kPing360;
     std::string link;
@@ -52,8 +55,11 @@ class StandIns {
   bool step();
   [[nodiscard]] const TrackTruth& truth() const { return truth_.truth(); }
   /// Where the autopilot listens, if its link is a server.
-  [[nodiscard]] int autopilot_port() const { return autopilot_.port(); }
-  [[nodiscard]] AutopilotCounts autopilot() const { return autopilot_.counts(); }
+  [[nodiscard]] int autopilot_port() const { return autopilot_->port(); }
+  [[nodiscard]] const std::string& autopilot_link() const { return request_.autopilot; }
+  [[nodiscard]] AutopilotCounts autopilot() const { return autopilot_->counts(); }
+  /// What the simulated vehicle is told to do.
+  [[nodiscard]] Setpoint setpoint() const { return autopilot_->setpoint(0); }
   [[nodiscard]] const std::vector<std::unique_ptr<DeviceStandIn>>& devices() const { return devices_; }
   [[nodiscard]] double now_s() const { return source_.simulator().now_s(); }
 
@@ -64,7 +70,7 @@ class StandIns {
   mutable SimulatedSource source_;
   GroundTruthTrajectory truth_;
   LinkHub hub_;
-  AutopilotStandIn autopilot_;
+  std::unique_ptr<FrontSeatStandIn> autopilot_;
   std::vector<std::unique_ptr<DeviceStandIn>> devices_;
   std::vector<std::unique_ptr<OculusBeacon>> beacons_;
   std::vector<std::unique_ptr<Ping360Finder>> finders_;

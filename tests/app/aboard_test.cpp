@@ -41,6 +41,14 @@ std::vector<json> lines_of(const fs::path& file) {
   return lines;
 }
 
+Joined run(const std::string& script, const fs::path& folder) {
+  Joined joined;
+  joined.result = in_bash(script, {folder.string()});
+  joined.stand_in = lines_of(folder / "stand_in.jsonl");
+  joined.aboard = lines_of(folder / "aboard.jsonl");
+  return joined;
+}
+
 /// Starts the stand-ins at free ports, then `isobath aboard` with a vehicle file that names them.
 Joined join(const fs::path& folder, const std::string& stand_in, const std::string& aboard,
             const std::string& autopilot = "") {
@@ -64,11 +72,7 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
     code=$?
     kill -INT $stand_in; wait $stand_in
     exit $code)";
-  Joined joined;
-  joined.result = in_bash(script, {folder.string()});
-  joined.stand_in = lines_of(folder / "stand_in.jsonl");
-  joined.aboard = lines_of(folder / "aboard.jsonl");
-  return joined;
+  return run(script, folder);
 }
 
 TEST(Aboard, SailsTheMissionOfTheAutopilot) {
@@ -104,12 +108,57 @@ TEST(Aboard, CommandsNothingInADryRun) {
   EXPECT_EQ(joined.stand_in[1]["rings"], 0);
 }
 
+/// The same beside a MOOSDB: the vehicle file of the example at the ports of the stand-ins, its mission with one point.
+Joined join_moos(const fs::path& folder) {
+  write(folder / "scene.toml", short_scene());
+  write(folder / "patient.toml", "[executor]\nmissed_ticks = 100\n");
+  std::string mission = content_of(source_folder() / "examples/aboard/moos-mission.toml");
+  mission.replace(mission.find("north = 68"), 10, "north = 24");
+  mission.erase(mission.find("[[mission_point]]\nname = \"B\""));
+  write(folder / "moos-mission.toml", mission);
+  write(folder / "moos.toml", content_of(source_folder() / "examples/aboard/moos.toml"));
+  const std::string script =
+      R"(
+    cd "$1"
+    timeout 120 "$0" stand-in scene.toml --json --speed 2 --front-seat moos --autopilot tcp-server:0 \
+      --device ping360=udp-server:0 --device ping1d=udp-server:0 > stand_in.jsonl & stand_in=$!
+    until [ -s stand_in.jsonl ] || ! kill -0 $stand_in 2> /dev/null; do sleep 0.05; done
+    port() { sed -n "1s/.*\"$1\": *\([0-9]*\).*/\1/p" stand_in.jsonl; }
+    sed "s/:9000\"/:$(port autopilot)\"/; s/:9092\"/:$(port ping360)\"/; s/:9090\"/:$(port ping1d)\"/" moos.toml > vehicle.toml
+    timeout 100 "$0" aboard vehicle.toml --json --speed 2 --until-done --no-page --out out --config patient.toml \
+      > aboard.jsonl
+    code=$?
+    kill -INT $stand_in; wait $stand_in
+    exit $code)";
+  return run(script, folder);
+}
+
+TEST(Aboard, SailsAMissionInAMoosCommunity) {
+  const fs::path folder = scratch_folder();
+  const Joined joined = join_moos(folder);
+  ASSERT_EQ(joined.aboard.size(), 2u) << joined.result.err;
+  ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
+  EXPECT_EQ(joined.result.exit_code, 0) << joined.result.err;
+  JsonPage page;
+  page.compare("aboard, after the run", joined.aboard[1]);
+  page.compare("stand-in, at the end", joined.stand_in[1]);
+  EXPECT_EQ(joined.stand_in[1]["contact_s"], -1);
+  EXPECT_GT(joined.stand_in[1]["length_m"], 20);
+  EXPECT_GT(joined.stand_in[1]["setpoints"], 50);
+  EXPECT_EQ(joined.stand_in[1]["malformed"], 0);
+  EXPECT_GT(joined.stand_in[1]["texts"], 0);
+  EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
+}
+
 TEST(Aboard, SaysWhatIsWrongWithAVehicleFile) {
   const fs::path folder = scratch_folder();
   write(folder / "vehicle.toml", "[[device]]\nkind = \"ping360\"\nlink = \"upd:somewhere:1\"\n");
   EXPECT_THAT(isobath({"aboard", (folder / "vehicle.toml").string()}),
               ends_with_one_line(testing::HasSubstr("no such kind of link")));
   EXPECT_THAT(isobath({"aboard"}), ends_with_one_line(testing::HasSubstr("no vehicle file")));
+  write(folder / "moos.toml", "[autopilot]\nkind = \"moos\"\nlink = \"tcp:127.0.0.1:9000\"\n");
+  EXPECT_THAT(isobath({"aboard", (folder / "moos.toml").string()}),
+              ends_with_one_line(testing::HasSubstr("a MOOS community holds no mission")));
   EXPECT_THAT(isobath({"stand-in", "--device", "sonar=udp-server:1"}),
               ends_with_one_line(testing::HasSubstr("not a device with its link")));
   const ProgramResult format = isobath({"aboard", "--format"});

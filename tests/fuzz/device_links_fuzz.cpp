@@ -3,6 +3,7 @@
 // leads to more than a bounded answer.
 #include <isobath/links/autopilot_link.hpp>
 #include <isobath/links/device_link.hpp>
+#include <isobath/links/moos_link.hpp>
 #include <tests/fuzz/drain.hpp>
 
 namespace isobath::fuzz {
@@ -36,14 +37,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::CountingLink link;
   LinkSource source([&hub] { return hub.now(); });
   constexpr std::size_t kAnswer = 1024;  // bytes to a byte that is heard
-  const unsigned who = data[0] % 7;
-  constexpr unsigned kAutopilot = 4;
+  const unsigned who = data[0] % 8;
+  constexpr unsigned kAutopilot = 4, kMoosdb = 7;
   if (who == kAutopilot) {
     AutopilotLink autopilot({}, source);
     autopilot.use(hub, link);
     autopilot.want_mission();
     fuzz::hear(autopilot, bytes, hub);
     (void)autopilot.mode();
+  } else if (who == kMoosdb) {
+    MoosLink moos({}, source);
+    moos.use(hub, link);
+    fuzz::hear(moos, bytes, hub);
+    (void)moos.mode();
   } else {
     constexpr DeviceKind kKinds[] = {DeviceKind::kPing360, DeviceKind::kPing1D, DeviceKind::kOculus,
                                      DeviceKind::kDvlA50,  DeviceKind::kNmea,   DeviceKind::kMicron,

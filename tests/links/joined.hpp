@@ -24,10 +24,12 @@ class Joined {
   Joined(StandInRequest request, const std::string& devices, const std::string& scene = "scenarios/aboard.toml") {
     request.speed = kSpeed;
     request.stays = true;
-    request.autopilot = "udp-server:0";
+    const bool moos = request.front_seat == FrontSeatKind::kMoos;
+    request.autopilot = moos ? "tcp-server:0" : "udp-server:0";
     stand_ins_.emplace(open_scenario(source_folder() / scene), request);
     std::string text =
-        fmt::format("[autopilot]\nlink = \"udp:127.0.0.1:{}\"\n", stand_ins_->autopilot_port()) + devices;
+        fmt::format("[autopilot]\nlink = \"{}:127.0.0.1:{}\"\n", moos ? "tcp" : "udp", stand_ins_->autopilot_port()) +
+        devices;
     for (const auto& device : stand_ins_->devices()) {
       const std::string key = std::string("@") + to_text(device->kind());
       if (const auto at = text.find(key); at != std::string::npos)

@@ -50,11 +50,11 @@ TEST(AboardLinks, SteerOnlyWhileTheVehicleIsArmedAndInGuided) {
   request.guided_after_s = 5;
   request.turns = {{10, 20}};
   Joined joined(request, "");
-  AutopilotLink& autopilot = joined.vehicle().autopilot();
+  FrontSeat& autopilot = joined.vehicle().autopilot();
   Setpoint ahead;
   ahead.speed = 0.5;
   ahead.depth = 0.5;
-  std::map<Authority, AutopilotLink::Counts> first, last;
+  std::map<Authority, FrontSeat::Counts> first, last;
   std::optional<Authority> before;
   std::vector<Authority> course;
   joined.until([&](const Event& event) {
