@@ -37,6 +37,12 @@ std::string display_text(const ordered_json& json) {
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
+/// Greatest standard deviation of the position, north or east, m.
+std::optional<double> deviation_of(const Navigation& fix) {
+  if (!fix.covariance) return std::nullopt;
+  return std::sqrt(std::max((*fix.covariance)(0, 0), (*fix.covariance)(1, 1)));
+}
+
 ordered_json mission_points(const MissionPlan& plan) {
   ordered_json points = ordered_json::array();
   const SearchArea& area = plan.search;
@@ -113,19 +119,45 @@ void Display::show(Time time, const DisplayScene& scene) {
   items_.set(DisplayKind::kScene, 0, time, display_text(json));
 }
 
+void Display::want(const Setpoint& wanted) {
+  wanted_ = wanted;
+  signals_.set(Signal::kSpeedSetpoint, wanted.speed);
+  signals_.set(Signal::kDepthSetpoint, wanted.depth);
+  signals_.set(Signal::kHeadingSetpoint, wanted.heading.wrapped_positive().degrees());
+}
+
 void Display::on_event(const Event& event) {
   if (!start_) start_ = time_of(event);
-  if (const auto* health = std::get_if<Health>(&event)) parts_[health->source] = *health;
+  if (const auto* health = std::get_if<Health>(&event)) {
+    parts_[health->source] = *health;
+    const auto least = std::ranges::min_element(parts_, {}, [](const auto& part) { return part.second.battery_share; });
+    signals_.set(Signal::kBattery, 100 * least->second.battery_share);
+  }
   if (const auto* range = std::get_if<RangeReading>(&event)) {
     const bool down = (range->X_BS.rotation * Eigen::Vector3d::UnitX()).z() > 0.9;
-    if (down && range->range_m > 0) altitude_m_ = range->range_m;
+    if (down && range->range_m > 0) {
+      altitude_m_ = *range->range_m;
+      signals_.set(Signal::kAltitude, *range->range_m);
+    }
   }
   const auto* fix = std::get_if<Navigation>(&event);
   if (!fix || !fix->X_WB.is_finite()) return;
   add_to_track(fix->time, fix->X_WB.translation);
+  measure(*fix);
   if (!show_again(vehicle_shown_, fix->time, kVehicleInterval)) return;
   vehicle_shown_ = fix->time;
   show_vehicle(*fix);
+}
+
+void Display::measure(const Navigation& fix) {
+  const Rotation& R_WB = fix.X_WB.rotation;
+  signals_.set(Signal::kDepth, fix.X_WB.translation.z());
+  signals_.set(Signal::kHeading, R_WB.heading().wrapped_positive().degrees());
+  signals_.set(Signal::kRoll, R_WB.roll().degrees());
+  signals_.set(Signal::kPitch, R_WB.pitch().degrees());
+  signals_.set(Signal::kSpeed, fix.v_WB ? fix.v_WB->head<2>().norm() : kNaN);
+  signals_.set(Signal::kDeviation, deviation_of(fix).value_or(kNaN));
+  signals_.sample(fix.time, *start_);
 }
 
 void Display::show_vehicle(const Navigation& fix) {
@@ -136,8 +168,7 @@ void Display::show_vehicle(const Navigation& fix) {
   bytes.add_floats({R_WB.roll().radians(), R_WB.pitch().radians(), R_WB.heading().radians()});
   const Eigen::Vector3d v_B = fix.v_WB ? Eigen::Vector3d(R_WB.inverse() * *fix.v_WB) : Eigen::Vector3d::Constant(kNaN);
   bytes.add_floats({v_B.x(), v_B.y(), v_B.z()});
-  const double sigma = fix.covariance ? std::sqrt(std::max((*fix.covariance)(0, 0), (*fix.covariance)(1, 1))) : 0;
-  bytes.add_floats({sigma, altitude_m_.value_or(kNaN)});
+  bytes.add_floats({deviation_of(fix).value_or(0), altitude_m_.value_or(kNaN)});
   if (wanted_) {
     bytes.add_floats({wanted_->heading.radians(), wanted_->depth, wanted_->speed});
   } else {
@@ -163,6 +194,8 @@ void Display::on_scan(const ScanResult& scan) {
   maps_.show(found.time, scan.grid, found.X_WB);
   if (!start_) start_ = found.time;
   obstacles_.update(scan, *start_);
+  const auto nearest = std::ranges::min_element(found.obstacles, {}, &Obstacle::range_m);
+  signals_.set(Signal::kNearestObstacle, nearest == found.obstacles.end() ? kNaN : nearest->range_m);
 }
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
@@ -251,6 +284,10 @@ bool Display::wants_counts(Time time) const { return show_again(counted_, time, 
 void Display::show(Time time, const DisplayCounts& counts) {
   counted_ = time;
   const PipelineCounts& n = counts.pipeline;
+  const std::uint64_t pings = n.pings + n.vertical;
+  if (pings_ && time > pings_->first)
+    signals_.set(Signal::kPings, static_cast<double>(pings - pings_->second) / to_seconds(time - pings_->first));
+  pings_.emplace(time, pings);
   ordered_json json{{"counts",
                      {{"pings", n.pings},
                       {"upright pings", n.vertical},

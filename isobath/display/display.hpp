@@ -14,6 +14,7 @@
 #include <isobath/display/level_display.hpp>
 #include <isobath/display/map_display.hpp>
 #include <isobath/display/obstacle_display.hpp>
+#include <isobath/display/signal_display.hpp>
 #include <isobath/display/sonar_display.hpp>
 #include <isobath/event/event.hpp>
 #include <isobath/mission/command/bus.hpp>
@@ -61,7 +62,7 @@ DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths)
 class Display : public ResultSink {
  public:
   explicit Display(DisplayState& items)
-      : items_(items), sonars_(items), maps_(items), obstacles_(items), levels_(items) {}
+      : items_(items), sonars_(items), maps_(items), obstacles_(items), levels_(items), signals_(items) {}
 
   /// Call it at the first event, and again when the scene has changed.
   void show(Time time, const DisplayScene& scene);
@@ -73,7 +74,7 @@ class Display : public ResultSink {
   /// Every message of the agents.
   void on_message(const Envelope& envelope);
   /// The set-point from now on.
-  void want(const Setpoint& wanted) { wanted_ = wanted; }
+  void want(const Setpoint& wanted);
 
   /// Commands to the actuators (LevelDisplay::on_servo).
   void on_servo(Time time, std::uint64_t parent, const std::string& text) { levels_.on_servo(time, parent, text); }
@@ -98,6 +99,7 @@ class Display : public ResultSink {
   };
   void add_to_track(Time time, const Eigen::Vector3d& place);
   void show_vehicle(const Navigation& fix);
+  void measure(const Navigation& fix);
   void show_partner(Time time, const LinkFrame& frame);
   void show_way(Time time);
 
@@ -106,6 +108,7 @@ class Display : public ResultSink {
   MapDisplay maps_;
   ObstacleDisplay obstacles_;
   LevelDisplay levels_;
+  SignalDisplay signals_;
   std::optional<Time> start_, vehicle_shown_, counted_;
   std::optional<Setpoint> wanted_;
   std::optional<double> altitude_m_;
@@ -113,6 +116,7 @@ class Display : public ResultSink {
   std::string chunk_;  ///< points of the track since the last full chunk
   std::uint64_t places_ = 0;
   std::optional<Time> last_place_;
+  std::optional<std::pair<Time, std::uint64_t>> pings_;  ///< how many until when
 
   RoutePlanned way_;
   MissionReport mission_;

@@ -23,8 +23,12 @@ static_assert(sizeof(RecordHead) == kHead);
 
 std::size_t padded(std::size_t bytes) { return (bytes + kAlign - 1) / kAlign * kAlign; }
 
+/// Whether there are items of this kind.
 bool is_kind(std::uint8_t kind) {
-  return kind >= static_cast<std::uint8_t>(DisplayKind::kScene) && kind <= static_cast<std::uint8_t>(kLastDisplayKind);
+  const auto within = [kind](DisplayKind first, DisplayKind last) {
+    return kind >= static_cast<std::uint8_t>(first) && kind <= static_cast<std::uint8_t>(last);
+  };
+  return within(DisplayKind::kScene, DisplayKind::kPartner) || within(DisplayKind::kSignals, DisplayKind::kSignals);
 }
 
 bool is_bulky(DisplayKind kind) {

@@ -48,8 +48,9 @@ enum class DisplayKind : std::uint8_t {
   kPartner,
   kPacked,   ///< on the way to a page only, no item: records that are packed (docs/live-page.md)
   kPreview,  ///< to one page only, no item: the answer to its preview of a mission
+  kSignals,
 };
-inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kPartner;
+inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kSignals;
 
 /// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
 /// readers that ask for them, and nothing waits for them. On a slow link kBulky (samples of the sonars, maps) waits for

@@ -2,6 +2,8 @@
 #include <cstdlib>
 #include <isobath/base/error.hpp>
 #include <isobath/recording/recorded_playback.hpp>
+#include <string>
+#include <utility>
 
 namespace isobath {
 
@@ -20,7 +22,17 @@ TimeSpan RecordedPlayback::span() {
   return span_;
 }
 
-void RecordedPlayback::show(Time moment, DisplayState& items) { display_.advance(moment, items); }
+void RecordedPlayback::show(Time moment, DisplayState& items) {
+  if (std::exchange(signals_told_, true)) return display_.advance(moment, items);
+  DisplayState end;  // a page plots its signals over the whole recording
+  display_.seek(span_.end, end);
+  display_.seek(moment, items);
+  std::string signals;
+  for_each_record(end.changes_after(0).records, [&](const DisplayRecord& r) {
+    if (r.kind == DisplayKind::kSignals) append_record(signals, r.kind, r.number, r.time, r.payload, r.gone);
+  });
+  items.update(signals);
+}
 
 Time RecordedPlayback::step(Time from, int steps) {
   Time moment = from;

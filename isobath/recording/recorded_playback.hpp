@@ -26,6 +26,7 @@ class RecordedPlayback final : public Playback {
   RecordedDisplay display_;
   TimeSpan span_;
   Clock::time_point refreshed_;
+  bool signals_told_ = false;
 };
 
 }  // namespace isobath

@@ -356,6 +356,45 @@ TEST(Display, ShowsTheVehicleItsTrackAndWhatItIsTold) {
   EXPECT_NEAR(number_at<float>(track[1].payload, 4), 64, 0.2);
 }
 
+/// Values of a signal by the seconds of its samples.
+std::map<float, float> samples_of(const DisplayState& items, const std::string& name) {
+  std::map<float, float> samples;
+  for (const Record& item : of_kind(items, Kind::kSignals)) {
+    const auto size = number_at<std::uint32_t>(item.payload, 0);
+    const json names = json::parse(item.payload.substr(4, size));
+    std::size_t column = 0;
+    while (names.at(column)[0] != name) ++column;
+    for (std::size_t at = 4 + (size + 3) / 4 * 4; at < item.payload.size(); at += 4 * (names.size() + 1)) {
+      samples[number_at<float>(item.payload, at)] = number_at<float>(item.payload, at + 4 * (column + 1));
+    }
+  }
+  return samples;
+}
+
+TEST(Display, KeepsWhatTheVehicleMeasuredAndWasTold) {
+  DisplayState items;
+  Display display(items);
+  for (int i = 0; i <= 400; ++i) {
+    Navigation fix = test::fix_at(0.1 * i, 0.1 * i, -10);
+    fix.X_WB.translation.z() = i < 200 ? 1 : 3;
+    fix.v_WB = Eigen::Vector3d(3, 4, 9);
+    display.on_event(fix);
+    if (i == 95) display.want({Angle::degrees(50), 3, 1.5, 0});
+    if (i == 95) display.on_event(Health{.time = fix.time, .source = "pack", .battery_share = 0.5F});
+    if (i == 195) display.on_event(Health{.time = fix.time, .source = "spare", .battery_share = 0.9F});
+  }
+  const auto depth = samples_of(items, "depth");
+  ASSERT_EQ(depth.size(), 41U) << "one a second, over three items";
+  EXPECT_EQ(depth.at(19), 1);
+  EXPECT_EQ(depth.at(20), 3);
+  EXPECT_TRUE(std::isnan(samples_of(items, "depth set-point").at(9))) << "nothing was wanted yet";
+  EXPECT_EQ(samples_of(items, "depth set-point").at(10), 3);
+  EXPECT_NEAR(samples_of(items, "heading").at(40), 350, 1e-3);
+  EXPECT_NEAR(samples_of(items, "speed").at(40), 5, 1e-6) << "level";
+  EXPECT_EQ(samples_of(items, "battery").at(40), 50) << "of the part that has least";
+  EXPECT_TRUE(std::isnan(samples_of(items, "nearest obstacle").at(40)));
+}
+
 TEST(Display, ShowsObstaclesInTheWorld) {
   DisplayState items;
   Display display(items);

@@ -8,7 +8,7 @@ before(start);
 after(stop);
 
 const axe = readFileSync(source('web/node_modules/axe-core/axe.min.js'), 'utf8');
-const views = ['plan', 'space', 'obstacles', 'health', 'log'];
+const views = ['plan', 'space', 'obstacles', 'health', 'log', 'plots'];
 
 /** What axe-core finds, in each of these views. */
 async function findings(page, views) {

@@ -133,6 +133,7 @@ test('voxels come to a page that shows them, and are drawn', async () => {
   await page.waitForFunction(() => Number(document.querySelector('#space-canvas').dataset.voxels) > 100);
   await page.waitForFunction(() => /[0-9] voxels/.test(document.querySelector('#space-readout').textContent));
   assert.doesNotMatch(await page.textContent('#space-readout'), /cubes/);
+  await page.waitForFunction(() => /[1-9]\d* obstacles?/.test(document.querySelector('#space-readout').textContent));
   await picture(page, 'voxels-1400');
   await page.click('#tab-sonar');
   await page.waitForFunction(() => /cubes/.test(window.seen.asked.filter((text) => /detail/.test(text)).at(-1)));
@@ -378,6 +379,19 @@ test('a recording is scrubbed, decision by decision', async () => {
   await page.mouse.click(strip.x + 0.1 * strip.width, strip.y + strip.height / 2);
   await page.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) < 15);
   assert.equal(await page.isVisible('#toast'), false, 'nothing was refused');
+
+  // Plots know the whole recording, also what was never shown, and lead to each of its moments.
+  await page.click('#tab-plots');
+  await page.waitForSelector('figure[data-signal="depth"]');
+  assert.ok(Number(await page.getAttribute('figure[data-signal="depth"]', 'data-samples')) > 35);
+  assert.match(await page.textContent('figure[data-signal="speed"] figcaption'), /^speed [\d.]+ m\/s, speed set-point [\d.]+ m\/s$/);
+  await page.click('#plots-chosen');
+  await page.click('#plots-choice label:has-text("heading")');
+  await page.waitForSelector('figure[data-signal="heading"] .u-over');
+  const plot = await page.locator('figure[data-signal="speed"] .u-over').boundingBox();
+  await page.mouse.click(plot.x + 0.75 * plot.width, plot.y + plot.height / 2);
+  await page.waitForFunction(() => Math.abs(Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) - 30) < 3);
+  await picture(page, 'plots-1400');
   assert.deepEqual(page.troubles, []);
   await page.close();
   await program.end();

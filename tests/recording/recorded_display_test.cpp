@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/recording/recorded_display.hpp>
+#include <isobath/recording/recorded_playback.hpp>
 #include <isobath/recording/run_recorder.hpp>
 #include <map>
 #include <tests/support/data.hpp>
@@ -122,6 +123,36 @@ TEST(RecordedDisplay, BeforeTheFirstMomentThereIsNothing) {
   recorded.seek(at_ms(-1), items);
   EXPECT_FALSE(recorded.at());
   EXPECT_TRUE(picture_of(items).empty());
+}
+
+/// Rows of the signals, and what the vehicle is, at a moment.
+std::pair<std::string, std::string> signals_and_vehicle(const DisplayState& items) {
+  std::pair<std::string, std::string> found;
+  for_each_record(items.changes_after(0).records, [&found](const DisplayRecord& record) {
+    if (record.kind == DisplayKind::kSignals) found.first = record.payload;
+    if (record.kind == DisplayKind::kVehicle) found.second = record.payload;
+  });
+  return found;
+}
+
+// A page plots its signals over the whole recording, wherever it begins.
+TEST(RecordedPlayback, TellsTheSignalsOfTheWholeRecordingFirst) {
+  const auto file = test::scratch_folder() / "run.mcap";
+  RunRecorder recorder(file, {});
+  DisplayState scene;
+  std::string rows;
+  for (int i = 0; i < 40; ++i) {
+    scene.set(DisplayKind::kVehicle, 0, at_ms(i * 1000), std::to_string(i));
+    scene.set(DisplayKind::kSignals, 0, at_ms(i * 1000), rows += static_cast<char>('a' + i % 26));
+    recorder.sample(at_ms(i * 1000), scene);
+  }
+  recorder.close();
+  RecordedPlayback playback(file);
+  DisplayState items;
+  playback.show(at_ms(5000), items);
+  EXPECT_EQ(signals_and_vehicle(items), std::pair(rows, std::string("5")));
+  playback.show(at_ms(6000), items);
+  EXPECT_EQ(signals_and_vehicle(items).second, "6");
 }
 
 // A page that is shown another time gets what differs.

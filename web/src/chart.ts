@@ -2,6 +2,7 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import type { Theme } from './theme';
+import { elapsed } from './units';
 
 export interface Curve {
   label: string;
@@ -15,6 +16,11 @@ export interface Axes {
   y: string;
   low?: number;
   high?: number;
+  /** A plot over the time of the run: its end and the shown moment, s. Such a plot fits its values. */
+  end?: number;
+  now?: number;
+  /** Values grow downwards. */
+  down?: boolean;
 }
 
 /** By day, colours that colour-blind people can tell apart; at night, lightness and dash. */
@@ -28,16 +34,23 @@ export class Chart {
   private plot: uPlot | null = null;
   private look = '';
   private size = '';
+  private now: number | undefined;
+  private end = 1;
 
   constructor(
     private readonly box: HTMLElement,
     private readonly theme: Theme,
+    /** A press on the plot, with its time. */
+    private readonly press?: (at: number) => void,
   ) {}
 
   show(data: uPlot.AlignedData, curves: readonly Curve[], axes: Axes): void {
     const [width, height] = [this.box.clientWidth, this.box.clientHeight];
     if (width < 40 || height < 40) return;
-    const look = `${this.theme.revision} ${JSON.stringify([curves, axes])}`;
+    this.now = axes.now;
+    this.end = Math.max(1, axes.end ?? 0);
+    const { now: _now, end: _end, ...steady } = axes;
+    const look = `${this.theme.revision} ${JSON.stringify([curves, steady])}`;
     if (look !== this.look || !this.plot) {
       this.plot?.destroy();
       this.plot = new uPlot(this.options(curves, axes, width, height), data, this.box);
@@ -72,19 +85,20 @@ export class Chart {
       grid: { stroke: paint.grid, width: 1 },
       ticks: { stroke: paint.grid, width: 1, size: 4 },
     });
+    const timed = axes.end !== undefined;
     return {
       width,
       height,
       legend: { show: false },
-      cursor: { show: false },
+      cursor: timed ? { y: false, drag: { x: false, y: false }, points: { show: false } } : { show: false },
       scales: {
-        x: { time: false },
-        y:
-          axes.low === undefined
+        x: timed ? { time: false, range: () => [0, this.end] } : { time: false },
+        y: timed ? { dir: axes.down ? -1 : 1 } : axes.low === undefined
             ? { range: (_, __, most) => [0, Math.max(1e-3, most * 1.1)] }
             : { range: [axes.low, axes.high ?? 1] },
       },
-      axes: [axis(axes.x, 26), axis(axes.y, 40)],
+      axes: [timed ? { ...axis('', 22), labelSize: 0, values: (_, all) => all.map((s) => elapsed(s, 0)) } : axis(axes.x, 26), axis(axes.y, 40)],
+      hooks: timed ? { draw: [(plot) => this.markNow(plot)], ready: [(plot) => this.listen(plot)] } : {},
       series: [
         {},
         ...curves.map(({ label, colour, dash, points }): uPlot.Series => ({
@@ -97,6 +111,25 @@ export class Chart {
         })),
       ],
     };
+  }
+
+  private markNow(plot: uPlot): void {
+    if (this.now === undefined) return;
+    const { ctx: pen, bbox } = plot;
+    const x = plot.valToPos(this.now, 'x', true);
+    pen.save();
+    pen.strokeStyle = this.theme.paint.ink;
+    pen.lineWidth = 1.5;
+    pen.setLineDash([]);
+    pen.beginPath();
+    pen.moveTo(x, bbox.top);
+    pen.lineTo(x, bbox.top + bbox.height);
+    pen.stroke();
+    pen.restore();
+  }
+
+  private listen(plot: uPlot): void {
+    plot.over.addEventListener('click', ({ offsetX }) => this.press?.(Math.max(0, plot.posToVal(offsetX, 'x'))));
   }
 
   /** The colour of a numbered curve, for a legend beside it. */

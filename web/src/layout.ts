@@ -1,7 +1,7 @@
 /** Layout: the visible views; all at once on a large screen, one at a time on a phone. */
 import { byId } from './dom';
 
-export const views = ['plan', 'sonar', 'space', 'log', 'health', 'obstacles'] as const;
+export const views = ['plan', 'sonar', 'space', 'log', 'health', 'obstacles', 'plots'] as const;
 export type ViewName = (typeof views)[number];
 
 export class Layout {
@@ -21,7 +21,7 @@ export class Layout {
   show(view: ViewName): void {
     this.view = view;
     if (view === 'sonar' || view === 'space') this.upper = view;
-    if (view === 'log' || view === 'obstacles' || view === 'health') this.lower = view;
+    if (view === 'log' || view === 'obstacles' || view === 'health' || view === 'plots') this.lower = view;
     if (view === 'plan') document.body.dataset.large = 'plan';
     this.apply();
   }

@@ -16,6 +16,7 @@ import { Model } from './model';
 import { ObstacleList } from './obstacle_list';
 import { PlanView } from './plan/plan';
 import { Planner } from './planner';
+import { PlotsView } from './plots';
 import { placeOf, Saving } from './saving';
 import { SonarView } from './sonar/sonar';
 import { SpaceView } from './space/space';
@@ -96,6 +97,7 @@ const all: View[] = [
   log,
   new ObstacleList(shared),
   new HealthView(shared),
+  new PlotsView(shared, (to) => timeline.seek(to)),
   timeline,
   new Commands(shared, () => layout.show('health')),
   planner,

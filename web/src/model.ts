@@ -13,6 +13,7 @@ import { PackedRecords } from './packed_records';
 import { readLevels, type Level } from './levels';
 import { readPartner, type Partner } from './partners';
 import { readPreview, type Preview } from './preview';
+import { SignalHistory } from './signals';
 import { readSounds, type Sound } from './sounds';
 import { SonarImage } from './sonar_image';
 
@@ -44,6 +45,7 @@ export class Model {
   readonly track = new Map<number, TrackPiece>();
   readonly sonars = new Map<number, SonarImage>();
   readonly trail = new EchoTrail();
+  readonly signals = new SignalHistory();
   grid: protocol.Grid | null = null;
   obstacles: items.Obstacle[] = [];
   pieces: items.Piece[] = [];
@@ -95,6 +97,7 @@ export class Model {
       }
     });
     if (read < bytes.length) this.count('message cut short');
+    if (this.scene) this.signals.belongTo(`${this.scene.start} ${this.clock?.run ?? ''}`);
   }
 
   private unpack({ low, payload }: protocol.RecordView): void {
@@ -105,6 +108,7 @@ export class Model {
   }
 
   forget(): void {
+    this.signals.begin();
     this.scene = this.vehicle = this.grid = this.way = this.health = this.clock = this.refusal = this.sphere = null;
     this.vehicleTime = this.gridTime = this.newest = NaN;
     this.obstacles = [];
@@ -132,6 +136,19 @@ export class Model {
   /** Age at the shown time of something from `time`, s; NaN: unknown. */
   age(time: number): number {
     return this.scene ? this.scene.start + this.now - time : NaN;
+  }
+
+  /** Depth of the bottom at a position; null: unknown. */
+  depthAt(north: number, east: number): { depth: number; confidence: number; flags: number } | null {
+    for (const { item } of this.depth.values()) {
+      const row = Math.floor((north - item.north) / item.pixel);
+      const column = Math.floor((east - item.east) / item.pixel);
+      if (row < 0 || column < 0 || row >= item.side || column >= item.side) continue;
+      const i = row * item.side + column;
+      const depth = item.depth[i]!;
+      return Number.isNaN(depth) ? null : { depth, confidence: item.confidence[i]!, flags: item.flags[i]! };
+    }
+    return null;
   }
 
   private count(what: string): void {
@@ -200,6 +217,8 @@ export class Model {
         return this.keep(items.readRefusal(protocol.readJson(payload)), (refusal) => (this.refusal = refusal));
       case Kind.preview:
         return this.keep(readPreview(protocol.readJson(payload)), (preview) => (this.preview = preview));
+      case Kind.signals:
+        return this.signals.take(low, payload);
       case Kind.packed:
         return false;
     }
@@ -302,6 +321,8 @@ export class Model {
         break;
       case Kind.preview:
         this.preview = null;
+        break;
+      case Kind.signals: // later than the shown moment, which a plot shows, too
         break;
       case Kind.packed:
         return false;

@@ -30,9 +30,10 @@ export const Kind = {
   partner: 20,
   packed: 21,
   preview: 22,
+  signals: 23,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.preview;
+export const kLastKind = Kind.signals;
 
 export const kHead = 24;
 const kGone = 1;

@@ -58,6 +58,13 @@ export function obstacleCells(model: Model): string[][] {
   }
   return rows;
 }
+/** All signals over the time of the run: those that a plot can show. */
+export function signalTable({ signals }: Model): string {
+  const { at, all } = signals;
+  const rows = [['time_s', ...all.map(({ name, unit }) => `${name} (${unit})`)]];
+  at.forEach((s, i) => rows.push([number(s, 2), ...all.map(({ values }) => number(values[i] ?? undefined, 3))]));
+  return table(rows);
+}
 export const obstacleTable = (model: Model): string => table(obstacleCells(model));
 
 function centre(points: readonly Point[]): Point {
@@ -121,6 +128,7 @@ export class Saving {
     const does: Record<string, () => void> = {
       'save-png': () => this.picture(),
       'save-track': () => this.save('track.csv', 'text/csv', trackTable(model)),
+      'save-signals': () => this.save('signals.csv', 'text/csv', signalTable(model)),
       'save-obstacles': () => this.save('obstacles.csv', 'text/csv', obstacleTable(model)),
       'save-geojson': () => this.save('chart.geojson', 'application/geo+json', geoJson(model) ?? ''),
       'save-link': () => void this.link(),

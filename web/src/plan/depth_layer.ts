@@ -71,19 +71,6 @@ export class DepthLayer {
     drawing.imageSmoothingEnabled = true;
   }
 
-  /** Depth at a position; null: unknown. */
-  at(north: number, east: number): { depth: number; confidence: number; flags: number } | null {
-    for (const { item } of this.model.depth.values()) {
-      const row = Math.floor((north - item.north) / item.pixel);
-      const column = Math.floor((east - item.east) / item.pixel);
-      if (row < 0 || column < 0 || row >= item.side || column >= item.side) continue;
-      const i = row * item.side + column;
-      const depth = item.depth[i]!;
-      return Number.isNaN(depth) ? null : { depth, confidence: item.confidence[i]!, flags: item.flags[i]! };
-    }
-    return null;
-  }
-
   /** Chooses a round end of the scale, so that the scale, and with it all images, change seldom. */
   private measure(revision: number): void {
     this.seen = revision;

@@ -232,7 +232,7 @@ export class PlanView implements View, Gestured {
       const { latitude, longitude } = geoPlace(scene.origin, at[0], at[1]);
       parts.push(`${units.latitude(latitude)} ${units.longitude(longitude)}`);
     }
-    const bottom = this.depth.at(at[0], at[1]);
+    const bottom = this.shared.model.depthAt(at[0], at[1]);
     if (bottom) {
       const known = (bottom.flags & DepthFlag.measured) !== 0 ? 'measured' : 'charted';
       parts.push(`depth ${units.metres(bottom.depth)}, ${known}, confidence ${bottom.confidence} of 20`);
@@ -246,7 +246,7 @@ export class PlanView implements View, Gestured {
     if (pointed) parts.unshift(tracks.words(pointed, this.shared.model.now, here && [...here]));
     if (this.ruler) {
       const { from, to } = this.ruler;
-      const depthAt = this.depth.any ? (p: readonly [number, number]) => this.depth.at(...p)?.depth ?? null : null;
+      const depthAt = this.depth.any ? (p: readonly [number, number]) => this.shared.model.depthAt(...p)?.depth ?? null : null;
       const known = alongLine(from, to, depthAt, tracks.tracked(this.shared.model), kBesideRuler);
       parts.unshift(rulerText(this.ruler), ...known);
     }

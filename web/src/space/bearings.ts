@@ -2,10 +2,10 @@
  * Bearings: dotted lines every 30 degrees in the level plane of the vehicle, and rings at round distances. The lines have
  * bearings from north or, while the camera turns with the vehicle, from the bow (ledger S4-39, S4-19, S4-20).
  */
-import { BufferAttribute, BufferGeometry, Group, LineDashedMaterial, LineSegments, type Vector3 } from 'three';
+import { Group, LineDashedMaterial, LineSegments, type Vector3 } from 'three';
 import type { Paint } from '../theme';
 import * as units from '../units';
-import { put } from './frame';
+import { geometryOf, put } from './frame';
 import { clear, label } from './labels';
 
 const kLines = 12;
@@ -72,9 +72,7 @@ export class Bearings {
 function dashed(level: readonly number[], color: string, dash: number): LineSegments {
   const places = new Float32Array((3 * level.length) / 2);
   for (let i = 0; 2 * i < level.length; ++i) put(places, i, level[2 * i]!, level[2 * i + 1]!, 0);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(places, 3));
-  const lines = new LineSegments(geometry, new LineDashedMaterial({ color, dashSize: dash, gapSize: dash }));
+  const lines = new LineSegments(geometryOf(places), new LineDashedMaterial({ color, dashSize: dash, gapSize: dash }));
   lines.computeLineDistances();
   return lines;
 }

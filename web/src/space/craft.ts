@@ -1,4 +1,4 @@
-/** Craft: the vehicle to scale, with a ring that is visible from far away. FanOutlines: the outline of each fan. */
+/** Craft: the vehicle to scale; from far away as large as can be seen, within a ring. FanOutlines: the outline of each fan. */
 import {
   BufferAttribute,
   BufferGeometry,
@@ -19,6 +19,9 @@ import type { Vehicle } from '../protocol';
 import type { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
 import { at, put } from './frame';
+
+/** Least length of the vehicle, as a share of its distance from the camera. */
+const kLeast = 0.045;
 
 export class Craft {
   readonly group = new Group();
@@ -60,11 +63,12 @@ export class Craft {
     this.hull.color.set(paint.vehicle);
     this.fin.color.set(paint.decision);
     this.halo.color.set(paint.track);
-    this.body.scale.setScalar(length);
+    const shown = Math.max(length, kLeast * distance);
+    this.body.scale.setScalar(shown);
     this.group.position.copy(at(vehicle.north, vehicle.east, vehicle.down * stretch));
     // Heading turns clockwise seen from above; pitch lifts the bow; roll puts starboard down.
     this.body.rotation.set(vehicle.pitch, vehicle.roll, -vehicle.heading, 'ZXY');
-    this.ring.scale.setScalar(Math.max(length * 0.8, distance * 0.022));
+    this.ring.scale.setScalar(0.8 * shown);
   }
 }
 

@@ -1,5 +1,5 @@
 /** Converts W (north, east, down) to three.js (east, north, up). No other file knows the axes of three.js. */
-import { Vector3 } from 'three';
+import { BufferAttribute, BufferGeometry, Vector3 } from 'three';
 import type { Model } from '../model';
 
 export const at = (north: number, east: number, down: number): Vector3 => new Vector3(east, north, -down);
@@ -7,6 +7,10 @@ export function put(out: Float32Array, i: number, north: number, east: number, d
   out[3 * i] = east;
   out[3 * i + 1] = north;
   out[3 * i + 2] = -down;
+}
+
+export function geometryOf(places: Float32Array): BufferGeometry {
+  return new BufferGeometry().setAttribute('position', new BufferAttribute(places, 3));
 }
 
 /** The bounds of what is shown, in W. */

@@ -1,5 +1,5 @@
-/** Text in the 3-D view, which has the same size on the screen at any distance; and groups of lines and text. */
-import { CanvasTexture, type Group, type Material, LineSegments, SRGBColorSpace, Sprite, SpriteMaterial } from 'three';
+/** Text in the 3-D view, which has the same size on the screen at any distance; and groups that hold it. */
+import { CanvasTexture, type Group, type Material, LineSegments, Mesh, SRGBColorSpace, Sprite, SpriteMaterial } from 'three';
 import { context, sheet } from '../dom';
 import type { Paint } from '../theme';
 
@@ -7,7 +7,7 @@ import type { Paint } from '../theme';
 const kText = 0.03;
 const kPixels = 15;
 
-export function label(words: string, paint: Paint): Sprite {
+export function label(words: string, paint: Paint, colour = paint.ink): Sprite {
   const canvas = sheet(1, 44);
   const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
   const measure = context(canvas);
@@ -20,7 +20,7 @@ export function label(words: string, paint: Paint): Sprite {
   pen.lineWidth = 6;
   pen.strokeStyle = paint.halo;
   pen.strokeText(words, 6, 23);
-  pen.fillStyle = paint.ink;
+  pen.fillStyle = colour;
   pen.fillText(words, 6, 23);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
@@ -38,13 +38,13 @@ export function fitText(group: Group, height: number): void {
   }
 }
 
-/** Empties a group of lines and text. */
+/** Empties a group of faces, lines and text. */
 export function clear(group: Group): void {
   for (const child of group.children) {
     if (child instanceof Sprite) {
       child.material.map?.dispose();
       child.material.dispose();
-    } else if (child instanceof LineSegments) {
+    } else if (child instanceof LineSegments || child instanceof Mesh) {
       child.geometry.dispose();
       (child.material as Material).dispose();
     }

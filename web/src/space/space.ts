@@ -1,5 +1,5 @@
 /**
- * SpaceView: the 3-D view of voxels, bottom, vehicle, route and track. Mouse, fingers or keys turn it. It is drawn only
+ * SpaceView: the 3-D view of voxels, bottom, vehicle, obstacles, fence, mission, route and track. Mouse, fingers or keys turn it. It is drawn only
  * when something has changed.
  */
 import {
@@ -21,6 +21,7 @@ import * as units from '../units';
 import type { Shared, View } from '../view';
 import { Axes } from './axes';
 import { Bearings } from './bearings';
+import { Course } from './course';
 import { Craft, FanOutlines } from './craft';
 import { EchoChoice } from './echo_choice';
 import { type Extent, at, extentOf } from './frame';
@@ -31,6 +32,7 @@ import { farthest } from './sphere_cells';
 import { SphereMesh } from './sphere_mesh';
 import { kDaylight, kLight, kNightlight, kSunward } from './shading';
 import { drawsInSoftware } from './software';
+import { Standing } from './standing';
 import { Surface } from './surface';
 import { Viewpoint } from './viewpoint';
 import { VoxelMesh, type VoxelColour } from './voxel_mesh';
@@ -59,6 +61,8 @@ export class SpaceView implements View {
   private readonly surface = new Surface();
   private readonly axes = new Axes();
   private readonly bearings = new Bearings();
+  private readonly standing = new Standing();
+  private readonly course = new Course();
   private readonly craft = new Craft();
   private readonly fans = new FanOutlines();
   private readonly track = new Thread();
@@ -70,6 +74,9 @@ export class SpaceView implements View {
     voxels: byId<HTMLInputElement>('space-voxels'),
     bottom: byId<HTMLInputElement>('space-bottom'),
     water: byId<HTMLInputElement>('space-water'),
+    obstacles: byId<HTMLInputElement>('space-obstacles'),
+    fence: byId<HTMLInputElement>('space-fence'),
+    mission: byId<HTMLInputElement>('space-mission'),
     fan: byId<HTMLInputElement>('space-fan'),
     sphere: byId<HTMLInputElement>('space-sphere'),
     bearings: byId<HTMLInputElement>('space-bearings'),
@@ -105,9 +112,9 @@ export class SpaceView implements View {
       new PlaneGeometry(1, 1),
       new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
     );
-    this.stretched.add(this.voxels.mesh, this.sphere.mesh, this.surface.group);
+    this.stretched.add(this.voxels.mesh, this.sphere.mesh, this.surface.group, this.standing.group);
     this.sun.position.copy(kSunward);
-    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.bearings.group, this.sea);
+    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.bearings.group, this.course.group, this.sea);
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
     byId('space-echoes').hidden = !this.boxes.sphere.checked;
     for (const input of this.choices.inputs) input.addEventListener('change', () => this.touch());
@@ -157,7 +164,7 @@ export class SpaceView implements View {
     [this.ambient.intensity, this.sun.intensity] = [kLight.x, kLight.y];
     this.rebuild(now, now - this.jumped < kArrives);
     this.move();
-    for (const { group } of [this.axes, this.bearings]) fitText(group, height);
+    for (const { group } of [this.axes, this.bearings, this.course]) fitText(group, height);
     renderer.render(this.world, this.viewpoint.camera);
     this.tell();
   }
@@ -323,6 +330,11 @@ export class SpaceView implements View {
       if (this.boxes.bearings.checked) this.bearings.show(place, heading, this.viewpoint.room(place), paint);
     }
     this.fans.show(model, this.stretch, paint);
+    const of = (...kinds: Kind[]) => kinds.map((kind) => model.revision[kind]).join(' ');
+    const shows = { fence: this.boxes.fence.checked, obstacles: this.boxes.obstacles.checked };
+    this.standing.show(model, of(Kind.scene, Kind.obstacles), shows, this.deepest, paint);
+    this.course.show(model, of(Kind.scene, Kind.depth), this.deepest, this.stretch, paint);
+    this.course.group.visible = this.boxes.mission.checked;
     const points = model.way?.points ?? [];
     this.way.show(points.length, (i) => level(points[i]!, vehicle?.down ?? 0), this.stretch, paint.way);
     const pieces = [...model.track.entries()].sort(([a], [b]) => a - b).map(([, piece]) => piece.places);
@@ -367,6 +379,7 @@ export class SpaceView implements View {
       parts.push('voxels from 50 % (dark) to 100 % occupied (light)');
     }
     if (this.boxes.sphere.checked) parts.push(...this.echoes.words(this.shared.theme.name !== 'day'));
+    if (this.boxes.obstacles.checked) parts.push(`${this.standing.obstacles} ${this.standing.obstacles === 1 ? 'obstacle' : 'obstacles'}`);
     if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
       parts.push(`bottom from 0 m (light) to ${this.deepest} m deep (dark)`);
     say(this.readout, parts.join(' · '));
