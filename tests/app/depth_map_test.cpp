@@ -9,17 +9,21 @@
 #include <functional>
 #include <gdal_priv.h>
 #include <isobath/base/random.hpp>
+#include <isobath/display/display_bytes.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/features/object_store.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/planning/feature_course.hpp>
+#include <isobath/recording/recorded_display.hpp>
 #include <numeric>
+#include <set>
 #include <spawn.h>
 #include <sstream>
 #include <sys/file.h>
 #include <sys/wait.h>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/display_records.hpp>
 #include <tests/support/sanitized.hpp>
 #include <thread>
 #include <unistd.h>
@@ -437,16 +441,53 @@ struct ChartGrid {
   }
 };
 
+/// Share of the pixels within these tiles that were measured until a moment of a recording; `tiles`: all of the first
+/// moment, if empty.
+double sensed_share(RecordedDisplay& recording, double at_s, std::set<std::uint64_t>& tiles) {
+  DisplayState items;
+  recording.seek(recording.span()->first + seconds(at_s), items);
+  std::size_t pixels = 0, measured = 0, found = 0;
+  const bool first = tiles.empty();
+  for_each_record(items.changes_after(0).records, [&](const DisplayRecord& tile) {
+    if (tile.kind != DisplayKind::kDepth) return;
+    if (first) tiles.insert(tile.number);
+    if (!tiles.contains(tile.number)) return;
+    ++found;
+    constexpr std::size_t kHead = 32, kPlanes = 4, kMeasured = 2;
+    const std::size_t side = number_at<std::uint16_t>(std::string(tile.payload), 0);
+    std::vector<std::uint8_t> planes(kPlanes * side * side);
+    ASSERT_TRUE(unpack_bits(tile.payload.substr(kHead), planes));
+    pixels += side * side;
+    measured +=
+        static_cast<std::size_t>(std::count_if(planes.end() - static_cast<std::ptrdiff_t>(side * side), planes.end(),
+                                               [](unsigned flags) { return (flags & kMeasured) != 0; }));
+  });
+  EXPECT_EQ(found, tiles.size()) << "the region is the same at " << at_s << " s";
+  return static_cast<double>(measured) / static_cast<double>(std::max<std::size_t>(pixels, 1));
+}
+
 // The course round both shoals, flown in the scene of that chart with its noise: the vehicle stays near the line, and
-// has the water of the contour under it. ledger: S1-24 S1-78
+// has the water of the contour under it. What it knows rests on the chart at first, and ever more on what it has
+// measured. ledger: S1-24 S1-78 S2-37
 TEST_F(ChartedShoals, AContourIsFollowedWithItsDepthOverTheGround) {
   ISOBATH_NOT_SANITIZED();
   const fs::path mission = folder_ / "contour.toml", scene = source_folder() / "scenarios" / "charted_shoals.toml";
   const json course = path({"60,-30", "--metres", "--contour", "11.5", "--draught", "3", "--mission", mission});
   EXPECT_NEAR(course["length_m"].get<double>(), 277, 10);
   EXPECT_EQ(course["way"].front()["north_m"], course["way"].back()["north_m"]) << "a ring";
-  const ProgramResult flown = isobath_run(scene, out(), {"--mission", mission});
+  const ProgramResult flown = isobath_run(scene, out(), {"--mission", mission, "--record", folder_ / "flown.mcap"});
   ASSERT_EQ(flown.exit_code, 0) << flown.err;
+  RecordedDisplay recording(folder_ / "flown.mcap");
+  std::set<std::uint64_t> region;
+  const double begin = sensed_share(recording, 2, region);
+  EXPECT_EQ(begin, 0) << "all is charted";
+  double share = begin;
+  for (double at_s = 20; at_s <= 240; at_s += 20) {
+    const double then = sensed_share(recording, at_s, region);
+    EXPECT_GE(then, share) << at_s;
+    share = then;
+  }
+  EXPECT_GT(share, 0.001);
   const json run = json::parse(flown.out)["mission"];
   EXPECT_EQ(run["reached"], course["way"].size());
   EXPECT_EQ(run["dropped"], 0);

@@ -131,7 +131,7 @@ bool says(const std::vector<Decision>& decisions, const std::string& agent, cons
   });
 }
 
-// ledger: S5-35 S5-37 S5-F05
+// The berm closes the plane from bank to bank: the way leads over it. ledger: S3-35 S5-35 S5-37 S5-F05
 TEST(BridgePassage, IsSailed) {
   const LoopResult run = sail("", 1);
   EXPECT_EQ(run.report.reached, 1u);
