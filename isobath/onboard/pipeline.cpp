@@ -53,11 +53,18 @@ EchoDetectorConfig for_sounder(const OnboardConfiguration& configuration, const 
   return echoes;
 }
 
-/// About 100 cells each way from the vehicle in the middle, about 200 for a fan, whose beams are narrower.
-BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
+/// About 100 cells each way from the vehicle in the middle, about 200 for a fan, whose beams are narrower. A
+/// cell of a scanning head that n bins cross receives n times as many false echoes, and two of them look like a target:
+/// the prior is lowered by n squared, yet stays so far above p_min that a cell can become free.
+BodyGridConfig fitted(BodyGridConfig grid, const RangeWindow& window, bool fan) {
+  const double reach_m = window.end_m();
   grid.cell_m = fan ? round_step(reach_m / 200, {1, 1.5, 2, 3, 5, 7}) : round_step(reach_m / 100, {1, 2, 5});
   grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
   grid.home_x = grid.home_y = 0.5;
+  if (!fan) {
+    const double bins = std::max(1.0, grid.cell_m / window.bin_m);
+    grid.prior = std::min(grid.prior, std::max(4 * grid.p_min, grid.prior / (bins * bins)));
+  }
   return grid;
 }
 
@@ -325,9 +332,9 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
   const bool moored = last_ && last_->posed != posed;
   if (mapper_ && !moored && (!configuration_.map.fit || grid_fits(mapper_->grid().config(), ping.window.end_m())))
     return;
-  if (configuration_.map.fit)
-    configuration_.grid = fitted(configuration_.grid, ping.window.end_m(), ping.fan->beams() >= FanDetector::kMinBeams);
-  mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
+  BodyGridConfig grid = configuration_.grid;
+  if (configuration_.map.fit) grid = fitted(grid, ping.window, ping.fan->beams() >= FanDetector::kMinBeams);
+  mapper_ = std::make_unique<GridMapper>(grid, configuration_.update);
 }
 
 /// Moves the grid, then updates it. A jump of the position does not move it.

@@ -116,7 +116,10 @@ std::vector<Field> fields(BodyGridConfig& c) {
       Field::integer("cells_y", &c.cells_y, {1, 16384}, "cells", "Cells across the vehicle's first heading."),
       Field::real("home_x", &c.home_x, {0, 1}, "1", "The vehicle's position in the grid, from the rear edge."),
       Field::real("home_y", &c.home_y, {0, 1}, "1", "The vehicle's position in the grid, from the port edge."),
-      Field::real("prior", &c.prior, {1e-6, 0.2}, "1", "Probability that an unseen cell is occupied."),
+      Field::real(
+          "prior", &c.prior, {1e-6, 0.2}, "1",
+          "Probability that an unseen cell is occupied; map.fit lowers it where the bins of a scanning sonar are "
+          "shorter than a cell."),
       Field::real("p_min", &c.p_min, {1e-9, 0.1}, "1", "Probabilities stay within p_min and 1 - p_min."),
       Field::choice("shifting", &c.shifting,
                     {{"whole_cells", C::Shifting::kWholeCells},

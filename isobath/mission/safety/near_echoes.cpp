@@ -156,15 +156,19 @@ void NearEchoes::put(const Eigen::Vector2d& place_W, const Evidence& gain, const
       if (!((other->second.place_W - place_W).norm() <= config.confirm_m)) continue;
       near.push_back(&other->second);
       echo.evidence = greater(echo.evidence, other->second.evidence);
+      echo.take_looks_of(other->second);
     }
   }
+  const auto known = cells_.find(key);
+  if (known != cells_.end()) echo.take_looks_of(known->second);
+  const double needed = kEnough + std::log(std::max(1.0, echo.looks / kFewLooks));
   for (std::size_t i = 0; i < gain.size(); ++i)
-    echo.evidence[i] = std::min(echo.evidence[i] + gain[i], kEnough + kMostEvidence);
-  if (const auto known = cells_.find(key); known != cells_.end()) {
+    echo.evidence[i] = std::min(echo.evidence[i] + gain[i], needed + kMostEvidence);
+  if (known != cells_.end()) {
     echo.evidence = greater(echo.evidence, known->second.evidence);
     echo.confirmed = known->second.confirmed;
   }
-  const bool enough = total(echo.evidence) >= kEnough;
+  const bool enough = total(echo.evidence) >= needed;
   echo.confirmed = echo.confirmed || enough;
   if (enough) {
     for (Echo* other : near) {
@@ -195,6 +199,7 @@ void NearEchoes::look(const SonarEchoes& ping, double reach_m, const SafetyConfi
     Echo& echo = cell->second;
     const Eigen::Vector3d place_W(echo.place_W.x(), echo.place_W.y(), ping.X_WL.translation.z());
     const Look looked = look_at(ping, (X_LW * place_W).head<2>(), config.confirm_m);
+    if (looked.beams > 0) echo.count_look(now_s, config.confirm_s);
     if (looked.beams > 0 && echo.heard_s < now_s) {
       const Evidence less = Gains(looked.beams, 1, false_per_m, config.confirm_m).silence;
       for (std::size_t i = 0; i < less.size(); ++i) echo.evidence[i] = std::max(0.0, echo.evidence[i] + less[i]);

@@ -10,8 +10,10 @@
 // that of a buoy, of a post or of a wall (kBodies), and at least 4 l(1). For each b, m echoes of a look add ln(b /
 // l(m)), at most kMostEvidence, to what the strongest echo near them has, and a look without one adds ln((1 - b) / (1 -
 // l(1))), down to 0; the evidence is that of the mean of the three likelihood ratios. kEnough confirms them, and one
-// look alone never gives it. Two looks in a row are enough; so is one in each of two sweeps where false echoes are
-// rare; clutter takes more. An echo of which no look is known (a range sonar) counts kMostEvidence.
+// look alone never gives it. Noise reaches it in one of some 250 tries, and each look is a try: where n looks fall into
+// `confirm_s`, the evidence must be greater by ln(n / kFewLooks), so that noise is confirmed no more often where a
+// sonar looks more often. Two looks in a row are enough; so is one in each of two sweeps where false echoes are rare;
+// clutter takes more. An echo of which no look is known (a range sonar) counts kMostEvidence.
 //
 // The density of false echoes is measured: those that are not confirmed, or were and fell silent, over the metres of
 // beam within reach, of some two minutes. It starts high, as if kFirst_m had held kFirst: what is confirmed wrongly is
@@ -30,6 +32,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/geometry/pose.hpp>
@@ -57,7 +60,8 @@ class NearEchoes {
   using Evidence = std::array<double, 3>;             ///< of each kind of body
   static constexpr Evidence kBodies{0.05, 0.3, 0.9};  ///< shares of the looks in which they give an echo
   static constexpr double kMostEvidence = 4.5;        ///< of one look
-  static constexpr double kEnough = 5.5;              ///< to confirm; noise reaches it in one of some 250 tries
+  static constexpr double kEnough = 5.5;              ///< to confirm, after kFewLooks or fewer within confirm_s
+  static constexpr double kFewLooks = 8;
   static constexpr double kFirst = 2.5, kFirst_m = 500;
 
   /// One ping: takes its echoes, and forgets what is gone by its silence. Echoes that are not finite or beyond
@@ -83,8 +87,20 @@ class NearEchoes {
     double heard_s = 0;
     double counts_s = 0;  ///< when last received, or nearer than the blanking distance
     Evidence evidence{};  ///< log-likelihood ratios of each kind of body to noise
+    double looks = 0;     ///< at its place, of about the last `confirm_s`
+    double looked_s = 0;  ///< when the last of them was
     bool confirmed = false;
     int silent_looks = 0;  ///< since last received
+
+    void count_look(double now_s, double within_s) {
+      looks = 1 + looks * std::exp(-(now_s - looked_s) / within_s);
+      looked_s = now_s;
+    }
+    void take_looks_of(const Echo& other) {
+      if (other.looks <= looks) return;
+      looks = other.looks;
+      looked_s = other.looked_s;
+    }
   };
   void take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain,
             const SafetyConfig& config, double now_s);

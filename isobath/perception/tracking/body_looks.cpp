@@ -63,6 +63,8 @@ const BodyLook* BodyLooks::add(const Ping& ping, const EchoDecisions& decisions,
   };
   parts_.clear();
   const bool is_fan = beams > 1;
+  level_bin_m_ = beam_of(0).level_share * ping.window.bin_m;
+  false_alarm_ = decisions.false_alarm;
   bool done = false;
   if (is_fan || !continues(ping, beam_of(0))) {
     done = !is_fan && beams_ > 0;
@@ -201,7 +203,7 @@ void BodyLooks::end(bool whole) {
   look_.readings_.clear();
   look_.shadows_.clear();
   for (std::size_t i = 0; i < clusters_.size(); ++i) {
-    if (clusters_[i].joined == i) read(clusters_[i]);
+    if (clusters_[i].joined == i && (whole || !is_chance(clusters_[i]))) read(clusters_[i]);
   }
   if (!whole) beams_ = 0;
 }
@@ -223,16 +225,31 @@ void BodyLooks::find_bodies(const std::function<bool(const Eigen::Vector2d&)>& i
   }
 }
 
+bool BodyLooks::is_structure(const Cluster& c) const {
+  return size_of(c) > config_.max_size_m || c.first_beam == 0 || c.last_beam == beams_ - 1;
+}
+
+bool BodyLooks::is_chance(const Cluster& c) const {
+  if (is_structure(c)) return false;
+  const double samples = (c.last_beam - c.first_beam + 1) * (c.far_m - c.near_m) / level_bin_m_;
+  double fewer = 0, of_k = std::exp(-samples * false_alarm_);  // Poisson
+  for (int k = 0; k + 1 < c.echoes; ++k) {
+    fewer += of_k;
+    of_k *= samples * false_alarm_ / (k + 1);
+  }
+  return 1 - fewer > kByChance;
+}
+
 void BodyLooks::read(const Cluster& c) {
   const Eigen::Vector2d centre = c.sum / c.echoes;
   const Eigen::Matrix2d scatter = c.squares / c.echoes - centre * centre.transpose();
   const double range = centre.norm();
-  const bool is_structure = size_of(c) > config_.max_size_m || c.first_beam == 0 || c.last_beam == beams_ - 1;
-  if (!is_structure && c.echoes < config_.min_echoes) return;
-  const double from_middle = turned_rad_ / 2, grown = is_structure ? 0 : c.width_rad / 2;
+  const bool structure = is_structure(c);
+  if (!structure && c.echoes < config_.min_echoes) return;
+  const double from_middle = turned_rad_ / 2, grown = structure ? 0 : c.width_rad / 2;
   look_.shadows_.push_back({c.low_rad - from_middle - grown, c.high_rad - from_middle + grown, c.near_m, c.far_m,
-                            config_.hidden, is_structure ? config_.hidden : config_.behind});
-  if (is_structure) return;
+                            config_.hidden, structure ? config_.hidden : config_.behind});
+  if (structure) return;
   const double beams = std::clamp<double>(c.last_beam - c.first_beam + 1, 1, kBeamsOfCentre);
   const double across = range * c.width_rad / kFwhm, turned = range * config_.heading_sigma.radians();
   const double own = config_.position_sigma_m * config_.position_sigma_m;

@@ -2,7 +2,9 @@
 // S3-04, S3-15).
 //
 // Echoes of neighbouring beams and ranges form clusters. A cluster of at least `min_echoes` echoes and at most
-// `max_size_m` is a reading of a body: its centre, and how its echoes scatter about it. What is larger, or reaches
+// `max_size_m` is a reading of a body: its centre, and how its echoes scatter about it. Near a scanning head, where the
+// beams are close together, false echoes form clusters, too: one is left out if among so many samples, besides the
+// first echo, so many false alarms are to be expected with a probability of kByChance. What is larger, or reaches
 // beyond the first or last beam of the sector, is a structure, whose visible part changes with the place of the
 // vehicle: it gives no reading, and hides what lies behind it. A body hides what lies behind it, too, and one that
 // passes close to it merges with it into one cluster: a track there is not missed for want of a reading.
@@ -80,6 +82,7 @@ struct EchoBox {
 class BodyLooks {
  public:
   static constexpr std::size_t kMaxRuns = 4000;
+  static constexpr double kByChance = 0.01;
 
   explicit BodyLooks(const BodyLooksConfig& config) : config_(config) {}
 
@@ -131,6 +134,10 @@ class BodyLooks {
   /// Ends the sector: clusters become readings and structures.
   void end(bool whole);
   void read(const Cluster& cluster);
+  /// Larger than a body, or reaching beyond the first or last beam.
+  [[nodiscard]] bool is_structure(const Cluster& cluster) const;
+  /// Whether false alarms explain the echoes of a cluster that is no structure.
+  [[nodiscard]] bool is_chance(const Cluster& cluster) const;
   [[nodiscard]] static double size_of(const Cluster& cluster);
   [[nodiscard]] bool continues(const Ping& ping, const Beam& beam) const;
 
@@ -145,6 +152,7 @@ class BodyLooks {
   Angle first_azimuth_, last_azimuth_;
   double turned_rad_ = 0;  ///< from the first to the last beam, positive to starboard
   double half_width_rad_ = 0;
+  double level_bin_m_ = 1, false_alarm_ = 0;  ///< of the last ping
   std::uint64_t left_out_ = 0;
 };
 
