@@ -1,5 +1,6 @@
 // Readings of bodies from the echoes of fans and of scanning heads.
 #include <gtest/gtest.h>
+#include <isobath/base/random.hpp>
 #include <isobath/perception/tracking/body_looks.hpp>
 
 namespace isobath {
@@ -107,6 +108,38 @@ TEST(BodyLooks, TakeAWallForAStructureThatHidesWhatLiesBehind) {
   ASSERT_EQ(look->readings().size(), 1u);
   EXPECT_LT((look->readings()[0].p_W - Vector2d(14, 16)).norm(), 0.2);
   EXPECT_LT(look->detection({40, 0}), 0.5 * look->detection({20, 0}));
+}
+
+// Echoes by false alarm stand close together near the head, where neighbouring beams do. They are no bodies.
+TEST(BodyLooks, OfAScanningHeadLeaveOutClustersThatFalseAlarmsExplain) {
+  constexpr double kRate = 0.02;
+  struct Heard {
+    int bodies = 0, others = 0;
+  };
+  const auto hear = [](double told) {
+    BodyLooks looks({});
+    Random random(4);
+    Heard heard;
+    for (int i = 0; i < 1200; ++i) {  // twenty sweeps
+      const double turned = i % 120 < 60 ? i % 60 : 60 - i % 60;
+      const Ping ping = ping_of(head_at(2 * turned - 60), 0.05 * i);
+      EchoDecisions decisions = no_echoes(ping);
+      decisions.false_alarm = told;
+      for (int k = 0; k < kLookBins; ++k) {
+        if (random.uniform() < kRate) decisions.set_hit(0, k);
+      }
+      add_disc(ping, decisions, {20, 5}, 1);
+      const BodyLook* look = looks.add(ping, decisions, sonar_at(0, 0, 0));
+      if (look == nullptr) continue;
+      for (const BodyReading& r : look->readings())
+        ++((r.p_W - Vector2d(20, 5)).norm() < 1 ? heard.bodies : heard.others);
+    }
+    return heard;
+  };
+  const Heard told = hear(kRate), untold = hear(1e-9);
+  EXPECT_GE(told.bodies, 14);
+  EXPECT_EQ(told.bodies, untold.bodies) << "a body has more echoes than false alarms explain";
+  EXPECT_LT(told.others, 0.4 * untold.others) << told.others << " of " << untold.others;
 }
 
 // Behind a body nothing is heard, and what is close to it merges with it. ledger: S3-04
