@@ -75,25 +75,32 @@ Joined join(const fs::path& folder, const std::string& stand_in, const std::stri
   return run(script, folder);
 }
 
-TEST(Aboard, SailsTheMissionOfTheAutopilot) {
-  const fs::path folder = scratch_folder();
-  const Joined joined = join(folder, "", "");
+/// Both processes ended well, with JSON as documented: the vehicle sailed its mission without a contact.
+void expect_sailed(const fs::path& folder, const Joined& joined) {
   ASSERT_EQ(joined.aboard.size(), 2u) << joined.result.err;
   ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
   EXPECT_EQ(joined.result.exit_code, 0) << joined.result.err;
   JsonPage page;
-  page.compare("aboard, at the start", joined.aboard[0]);
   page.compare("aboard, after the run", joined.aboard[1]);
-  page.compare("stand-in, at the start", joined.stand_in[0]);
   page.compare("stand-in, at the end", joined.stand_in[1]);
   EXPECT_EQ(joined.stand_in[1]["contact_s"], -1);
   EXPECT_GT(joined.stand_in[1]["length_m"], 20);
   EXPECT_GT(joined.stand_in[1]["setpoints"], 50);
+  EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
+}
+
+TEST(Aboard, SailsTheMissionOfTheAutopilot) {
+  const fs::path folder = scratch_folder();
+  const Joined joined = join(folder, "", "");
+  expect_sailed(folder, joined);
+  if (HasFatalFailure()) return;
+  JsonPage page;
+  page.compare("aboard, at the start", joined.aboard[0]);
+  page.compare("stand-in, at the start", joined.stand_in[0]);
   EXPECT_GT(joined.stand_in[1]["rings"], 10);
   EXPECT_NEAR(joined.stand_in[1]["moved_m"], joined.stand_in[1]["length_m"], 3)
       << "the DVL heard a second or two later";
   EXPECT_TRUE(fs::exists(folder / "out/autopilot.plan"));
-  EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
   const ProgramResult again = isobath({"info", (folder / "out/recording.mcap").string()});
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
@@ -136,18 +143,10 @@ Joined join_moos(const fs::path& folder) {
 TEST(Aboard, SailsAMissionInAMoosCommunity) {
   const fs::path folder = scratch_folder();
   const Joined joined = join_moos(folder);
-  ASSERT_EQ(joined.aboard.size(), 2u) << joined.result.err;
-  ASSERT_EQ(joined.stand_in.size(), 2u) << joined.result.err;
-  EXPECT_EQ(joined.result.exit_code, 0) << joined.result.err;
-  JsonPage page;
-  page.compare("aboard, after the run", joined.aboard[1]);
-  page.compare("stand-in, at the end", joined.stand_in[1]);
-  EXPECT_EQ(joined.stand_in[1]["contact_s"], -1);
-  EXPECT_GT(joined.stand_in[1]["length_m"], 20);
-  EXPECT_GT(joined.stand_in[1]["setpoints"], 50);
+  expect_sailed(folder, joined);
+  if (HasFatalFailure()) return;
   EXPECT_EQ(joined.stand_in[1]["malformed"], 0);
   EXPECT_GT(joined.stand_in[1]["texts"], 0);
-  EXPECT_TRUE(fs::exists(folder / "out/recording.mcap"));
 }
 
 TEST(Aboard, SaysWhatIsWrongWithAVehicleFile) {
