@@ -21,12 +21,12 @@ async function saved(page, button) {
 }
 
 test('present and past are told apart, keys stay where they are, and what is shown is saved', async () => {
-  const program = await serve('operator', '--port', '0', '--speed', '2', '--limit', 'max_clients=2');
+  const program = await serve('operator', '--port', '0', '--speed', '1', '--limit', 'max_clients=2');
   const page = await open(program.url);
   await state(page, 'open');
   await shows(page, 'live');
   assert.match(await text(page, '#connection'), /LIVE simulation/);
-  assert.equal(await page.inputValue('#speed'), '2', 'the speed of the run');
+  assert.equal(await page.inputValue('#speed'), '1', 'the speed of the run');
   assert.ok(await page.isDisabled('#speed'));
   await until(page, 14);
   await page.waitForSelector('#sonar-none', { state: 'hidden' });
