@@ -4,7 +4,7 @@
 
 namespace isobath {
 
-LinkSource::LinkSource(std::function<Time()> now) : now_(std::move(now)), beat_(kBeat) {
+LinkSource::LinkSource(std::function<Time()> now, std::chrono::nanoseconds beat) : now_(std::move(now)), beat_(beat) {
   shown_.format = report_.format = "devices";
 }
 
@@ -51,6 +51,12 @@ void LinkSource::refuse(const std::string& reason, std::uint64_t count) {
   changed_ = true;
 }
 
+void LinkSource::wake() {
+  const std::lock_guard lock(mutex_);
+  woken_ = true;
+  given_.notify_one();
+}
+
 void LinkSource::end() {
   const std::lock_guard lock(mutex_);
   ended_ = true;
@@ -60,7 +66,8 @@ void LinkSource::end() {
 std::optional<Event> LinkSource::next() {
   std::unique_lock lock(mutex_);
   begun_ = true;
-  given_.wait_for(lock, beat_, [this] { return ended_ || !waiting_.empty(); });
+  given_.wait_for(lock, beat_, [this] { return ended_ || woken_ || !waiting_.empty(); });
+  woken_ = false;  // any event is followed by a set-point
   if (std::exchange(changed_, false)) shown_ = report_;
   if (ended_) return std::nullopt;
   if (waiting_.empty()) return Health{.time = now_(), .source = "links"};

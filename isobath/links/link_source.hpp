@@ -2,8 +2,9 @@
 //
 // The thread of the links gives events (`give`); the thread of the run takes them. `next` waits for an event, at most
 // kBeat: then it returns a health report of "links", so that the clock of the run goes on where every sensor is silent
-// and its faults are noticed. At most kMostWaiting events wait; beyond that the oldest ping is dropped and counted in
-// the report. `end` ends the run: the next `next` is empty.
+// and its faults are noticed. `wake` ends that wait at once: what the vehicle is to do has changed, and the set-point
+// must not wait for the next sensor. At most kMostWaiting events wait; beyond that the oldest ping is dropped and
+// counted in the report. `end` ends the run: the next `next` is empty.
 #pragma once
 
 #include <condition_variable>
@@ -19,8 +20,8 @@ class LinkSource final : public Source {
   static constexpr auto kBeat = std::chrono::milliseconds(50);
   static constexpr std::size_t kMostWaiting = 2048;
 
-  /// `now`: the clock of the links.
-  explicit LinkSource(std::function<Time()> now);
+  /// `now`: the clock of the links. `beat`: of a steady clock.
+  explicit LinkSource(std::function<Time()> now, std::chrono::nanoseconds beat = kBeat);
 
   /// From the thread of the links.
   /// `arrival`: of the last byte; by default the time of the event.
@@ -34,6 +35,8 @@ class LinkSource final : public Source {
   void drop_waiting();
   void note(const std::string& key, const std::string& value);
   void refuse(const std::string& reason, std::uint64_t count = 1);
+  /// From any thread.
+  void wake();
   /// From any thread.
   void end();
 
@@ -54,7 +57,7 @@ class LinkSource final : public Source {
     Time arrival;
   };
   std::deque<Arrived> waiting_;
-  bool ended_ = false, changed_ = false, begun_ = false;
+  bool ended_ = false, changed_ = false, begun_ = false, woken_ = false;
   SourceReport report_;  ///< guarded by mutex_
   SourceReport shown_;   ///< of the run
   Time arrival_{};       ///< of the run

@@ -22,11 +22,20 @@ void Aboard::on_event(const Event& event) {
 
 void Aboard::on_mapped(Time time, const Pipeline& /*pipeline*/, const DepthModel& /*depths*/,
                        const VoxelModel& /*voxels*/) {
-  const std::lock_guard lock(mutex_);
-  const auto found = arrivals_.find(time);
-  if (found == arrivals_.end()) return;
-  mapped_ = found->second;
-  arrivals_.erase(arrivals_.begin(), std::next(found));
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = arrivals_.find(time);
+    if (found == arrivals_.end()) return;
+    mapped_ = found->second;
+    arrivals_.erase(arrivals_.begin(), std::next(found));
+  }
+  links_.source().wake();
+}
+
+void Aboard::on_message(const Envelope& envelope) {
+  const bool steers =
+      std::holds_alternative<HelmOrder>(envelope.message) || std::holds_alternative<SafetyAction>(envelope.message);
+  if (steers) links_.source().wake();
 }
 
 void Aboard::on_scan(const ScanResult& scan) {

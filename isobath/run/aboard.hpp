@@ -6,10 +6,12 @@
 // which raises the fault "operator link lost".
 //
 // To the front seat (front_seat.hpp) go the set-point of the helm after each event, the obstacles of the last scan four
-// times a second, and each decision of the agents as a text, at most one a second.
+// times a second, and each decision of the agents as a text, at most one a second. A set-point also goes out, without
+// waiting for the next event of a device, when a ping has been mapped and when the helm or the safety officer orders.
 //
 // The latency of a ping is the time from its last byte until the first set-point that goes out after it has been
-// mapped. on_ping, on_scan and on_mapped belong to the mapping thread, all else to the source thread.
+// mapped. on_scan and on_mapped belong to the mapping thread, on_message to that of any agent, all else to the source
+// thread.
 #pragma once
 
 #include <chrono>
@@ -45,6 +47,8 @@ class Aboard final : public OnboardObserver {
   void on_event(const Event& event) override;
   void on_scan(const ScanResult& scan) override;
   void on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) override;
+
+  void on_message(const Envelope& envelope);
 
   /// An order of the page. A new mission takes the place of the one that waits to start; while the autopilot does not
   /// give the controls away, the vehicle holds.

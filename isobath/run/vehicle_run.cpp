@@ -178,6 +178,7 @@ void VehicleRun::invite_observers() {
     levels_.on_message(envelope);
     in_force_.on_message(envelope);
     if (desk()) desk()->on_message(envelope);
+    if (request_.aboard) request_.aboard->on_message(envelope);
     if (cycles_ && std::holds_alternative<HelmOrder>(envelope.message)) cycles_->note();
     if (display_.on()) display_.on_message(envelope);
   });
