@@ -1,4 +1,5 @@
 #include <isobath/links/front_seat.hpp>
+#include <utility>
 
 namespace isobath {
 
@@ -43,13 +44,18 @@ FrontSeat::Counts FrontSeat::counts() const {
   return counts_;
 }
 
+void FrontSeat::hasten() {
+  const std::lock_guard lock(mutex_);
+  hastened_ = true;
+}
+
 bool FrontSeat::admits_setpoint(Time now, Time answers, bool ready) {
   const bool stale = now - answers > kMaxAnswerAge;  // a run that is behind its devices: the vehicle stops by itself
   if (authority_at(now) != Authority::kOurs || !ready || stale) {
     ++counts_.withheld;
     return false;
   }
-  if (now - setpoint_ < kSetpointInterval) return false;
+  if (!std::exchange(hastened_, false) && now - setpoint_ < kSetpointInterval) return false;
   setpoint_ = now;
   return true;
 }

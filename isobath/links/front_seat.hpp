@@ -3,8 +3,9 @@
 // set-points and what people and other programs are to know go out.
 //
 // Set-points go out only while the pilot leaves the vehicle to Isobath (Authority); no front seat takes that by itself.
-// A set-point that answers an event of more than kMaxAnswerAge ago is withheld, and at most one goes out every
-// kSetpointInterval. All calls of ByteReceiver come from the thread of the links; the others may come from any thread.
+// A set-point that answers an event of more than kMaxAnswerAge ago is withheld. At most one goes out every
+// kSetpointInterval, and beside these one after each call of `hasten`. All calls of ByteReceiver come from the thread
+// of the links; the others may come from any thread.
 #pragma once
 
 #include <array>
@@ -88,6 +89,8 @@ class FrontSeat : public ByteReceiver {
   /// Gives a set-point that answers an event of this time to the thread of the links, or withholds it. Returns whether
   /// that thread got it; it withholds what has become too old by then.
   virtual bool command(const Setpoint& setpoint, const VehicleParameters& limits, Time answers) = 0;
+  /// The next set-point goes out whatever the time since the last one: it answers a ping or an order of the agents.
+  void hasten();
   /// A line for people. `severity`: as in MAVLink; 4 warning, 6 information.
   virtual void say(int severity, const std::string& text) = 0;
   /// The obstacles of the last scan, seen from this fix. From one thread.
@@ -120,6 +123,7 @@ class FrontSeat : public ByteReceiver {
 
  private:
   Time setpoint_{};
+  bool hastened_ = false;
   Counts counts_;
 };
 

@@ -20,22 +20,33 @@ void Aboard::on_event(const Event& event) {
   if (arrivals_.size() > kMostArrivals) arrivals_.erase(arrivals_.begin());
 }
 
-void Aboard::on_mapped(Time time, const Pipeline& /*pipeline*/, const DepthModel& /*depths*/,
+void Aboard::on_ping(const PosedPing& ping) {
+  const std::lock_guard lock(mutex_);
+  const auto found = arrivals_.find(ping.ping.time);
+  if (found == arrivals_.end()) return;
+  placed_ = found->second;
+  arrivals_.erase(arrivals_.begin(), std::next(found));
+}
+
+void Aboard::on_mapped(Time /*time*/, const Pipeline& /*pipeline*/, const DepthModel& /*depths*/,
                        const VoxelModel& /*voxels*/) {
   {
     const std::lock_guard lock(mutex_);
-    const auto found = arrivals_.find(time);
-    if (found == arrivals_.end()) return;
-    mapped_ = found->second;
-    arrivals_.erase(arrivals_.begin(), std::next(found));
+    if (!placed_) return;
+    mapped_ = std::exchange(placed_, std::nullopt);
   }
-  links_.source().wake();
+  steer_at_once();
 }
 
 void Aboard::on_message(const Envelope& envelope) {
   const bool steers =
       std::holds_alternative<HelmOrder>(envelope.message) || std::holds_alternative<SafetyAction>(envelope.message);
-  if (steers) links_.source().wake();
+  if (steers) steer_at_once();
+}
+
+void Aboard::steer_at_once() {
+  links_.autopilot().hasten();
+  links_.source().wake();
 }
 
 void Aboard::on_scan(const ScanResult& scan) {

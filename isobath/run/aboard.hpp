@@ -10,8 +10,8 @@
 // waiting for the next event of a device, when a ping has been mapped and when the helm or the safety officer orders.
 //
 // The latency of a ping is the time from its last byte until the first set-point that goes out after it has been
-// mapped. on_scan and on_mapped belong to the mapping thread, on_message to that of any agent, all else to the source
-// thread.
+// mapped; a ping is mapped when its pose is known, which may be with the fix after it. on_ping, on_scan and on_mapped
+// belong to the mapping thread, on_message to that of any agent, all else to the source thread.
 #pragma once
 
 #include <chrono>
@@ -45,6 +45,7 @@ class Aboard final : public OnboardObserver {
   void set_plan(const MissionPlan& plan) { plan_ = std::make_shared<const MissionPlan>(plan); }
 
   void on_event(const Event& event) override;
+  void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) override;
 
@@ -61,6 +62,7 @@ class Aboard final : public OnboardObserver {
   [[nodiscard]] AboardOutcome outcome() const;
 
  private:
+  void steer_at_once();
   void show_surroundings(const Navigation& fix, Time now);
 
   VehicleLinks& links_;
@@ -75,6 +77,7 @@ class Aboard final : public OnboardObserver {
 
   mutable std::mutex mutex_;       ///< guards all below
   std::map<Time, Time> arrivals_;  ///< of pings that are not mapped yet
+  std::optional<Time> placed_;     ///< arrival of the newest ping whose pose is known and that is being mapped
   std::optional<Time> mapped_;     ///< arrival of the newest ping that is mapped and not yet answered
   Surroundings around_;
   LatencyHistogram latency_;

@@ -146,11 +146,19 @@ void AutopilotStandIn::on_tick(Time now) {
     beat_ = now;
     beat(now);
   }
-  if (!fix_ || now - state_ < interval_) return;
-  state_ = now;
-  const Pose& X = fix_->X_WB;
+}
+
+void AutopilotStandIn::on_fix(const Navigation& fix, Time now) {
+  const std::lock_guard lock(mutex_);
+  fix_ = fix;
+  if (!heading_known_) heading_ = fix.X_WB.rotation.heading();
+  heading_known_ = true;
+  if (!booted_) booted_ = now;
+  if (now < state_due_) return;
+  state_due_ = std::max(state_due_ + interval_, now);  // keeps the rate where fixes come a little early
+  const Pose& X = fix.X_WB;
   const auto f = [](double value) { return static_cast<float>(value); };
-  const Eigen::Vector3d v = fix_->v_WB.value_or(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d v = fix.v_WB.value_or(Eigen::Vector3d::Zero());
   send(Attitude::kId,
        Attitude{boot_ms(now), f(X.rotation.roll().radians()), f(X.rotation.pitch().radians()),
                 f(X.rotation.heading().radians())}
@@ -161,13 +169,6 @@ void AutopilotStandIn::on_tick(Time now) {
                      f(v.z())}
            .body(),
        now);
-}
-
-void AutopilotStandIn::on_fix(const Navigation& fix) {
-  const std::lock_guard lock(mutex_);
-  fix_ = fix;
-  if (!heading_known_) heading_ = fix.X_WB.rotation.heading();
-  heading_known_ = true;
 }
 
 void AutopilotStandIn::on_battery(double share) {

@@ -31,7 +31,7 @@ class AutopilotStandIn final : public FrontSeatStandIn {
   void on_bytes(Bytes bytes, Time time) override;
   void on_tick(Time now) override;
 
-  void on_fix(const Navigation& fix) override;
+  void on_fix(const Navigation& fix, Time now) override;
   void on_battery(double share) override;
   [[nodiscard]] Setpoint setpoint(double dt_s) override;
   [[nodiscard]] bool deserted() const override;
@@ -64,7 +64,7 @@ class AutopilotStandIn final : public FrontSeatStandIn {
   std::optional<Navigation> fix_;
   double battery_ = 1;
   Duration interval_ = std::chrono::seconds(1);
-  Time beat_{}, state_{};
+  Time beat_{}, state_due_{};
   std::optional<mavlink::VelocityTarget> target_;
   Time target_time_{};
   std::optional<double> depth_;

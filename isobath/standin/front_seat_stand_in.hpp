@@ -75,7 +75,7 @@ class FrontSeatStandIn : public ByteReceiver {
   }
 
   /// The vehicle's own estimate; the links send it.
-  virtual void on_fix(const Navigation& fix) = 0;
+  virtual void on_fix(const Navigation& fix, Time now) = 0;
   virtual void on_battery(double /*share*/) {}
   /// What the vehicle is to do now, dt after the last call.
   [[nodiscard]] virtual Setpoint setpoint(double dt_s) = 0;

@@ -131,7 +131,7 @@ void MoosStandIn::on_tick(Time now) {
   publish(moos_text("MOOS_MANUAL_OVERRIDE", held ? "true" : "false", unix_s(now)));
 }
 
-void MoosStandIn::on_fix(const Navigation& fix) {
+void MoosStandIn::on_fix(const Navigation& fix, Time /*now*/) {
   const std::lock_guard lock(mutex_);
   fix_ = fix;
   const Time now = hub_->now();

@@ -37,7 +37,7 @@ class MoosStandIn final : public FrontSeatStandIn {
   void on_bytes(Bytes bytes, Time time) override;
   void on_tick(Time now) override;
 
-  void on_fix(const Navigation& fix) override;
+  void on_fix(const Navigation& fix, Time now) override;
   [[nodiscard]] Setpoint setpoint(double dt_s) override;
   [[nodiscard]] bool deserted() const override;
   [[nodiscard]] AutopilotCounts counts() const override;

@@ -116,10 +116,10 @@ bool StandIns::step() {
   const auto event = source_.next();
   if (!event) return false;
   std::this_thread::sleep_until(began_ + std::chrono::duration<double>(to_seconds(time_of(*event)) / request_.speed));
-  if (const auto* fix = std::get_if<Navigation>(&*event)) autopilot_->on_fix(*fix);
+  const Time now = hub_.now();
+  if (const auto* fix = std::get_if<Navigation>(&*event)) autopilot_->on_fix(*fix, now);
   if (const auto* health = std::get_if<Health>(&*event); health && health->source == "vehicle")
     autopilot_->on_battery(health->battery_share);
-  const Time now = hub_.now();
   for (const auto& device : devices_) device->on_event(*event, now);
   return true;
 }
