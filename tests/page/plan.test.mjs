@@ -163,12 +163,8 @@ test('a mission is planned with the mouse, previewed with its margins, sent and 
   await decided(page, 'captain', 'takes over from the page at 127.0.0.1');
   await other.click('#tabs [data-show="plan"]');
   await other.click('#plan-fit');
-  // The bars above the chart come and go as the vehicle answers; a skipper whose tap met none taps again.
-  for (let tries = 0; tries < 10 && !(await other.isVisible('#plan-go')); ++tries) {
-    await other.touchscreen.tap(...(await pixel(other, 0, 20)));
-    await other.waitForSelector('#plan-go:not([hidden])', { timeout: 5000 }).catch(() => {});
-  }
-  assert.ok(await other.isVisible('#plan-go'));
+  await other.touchscreen.tap(...(await pixel(other, 0, 20)));
+  await other.waitForSelector('#plan-go:not([hidden])'); // which lies under the finger, and is not pressed by this tap
   await picture(other, 'plan-go-390');
   await other.click('#plan-go');
   await rows(other, 1);

@@ -65,6 +65,8 @@ export function listen(element: HTMLElement, view: Gestured): void {
       pressed = null;
     });
   }
+  // A button that a tap shows under the finger does not get the click of the same tap.
+  element.addEventListener('touchend', (event) => event.cancelable && event.preventDefault(), { passive: false });
   element.addEventListener('pointerleave', () => down.size === 0 && view.hover(null));
   element.addEventListener(
     'wheel',
