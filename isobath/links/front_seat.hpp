@@ -4,8 +4,8 @@
 //
 // Set-points go out only while the pilot leaves the vehicle to Isobath (Authority); no front seat takes that by itself.
 // A set-point that answers an event of more than kMaxAnswerAge ago is withheld. At most one goes out every
-// kSetpointInterval, and beside these one after each call of `hasten`. All calls of ByteReceiver come from the thread
-// of the links; the others may come from any thread.
+// kSetpointInterval, and beside these one after each call of `hasten`. The thread of the links calls the functions of
+// ByteReceiver; any thread may call the others.
 #pragma once
 
 #include <array>
