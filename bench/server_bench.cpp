@@ -59,7 +59,7 @@ void LivePages(benchmark::State& state) {
     WebServerConfig config;
     config.port = 0;
     WebSite site;
-    site.sockets["/socket"] = [&] { return std::make_unique<PageSession>(sources); };
+    site.sockets["/socket"].open = [&] { return std::make_unique<PageSession>(sources); };
     WebServer server(config, std::move(site));
 
     std::optional<test::SocketPage> stalled;
