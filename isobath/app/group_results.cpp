@@ -12,7 +12,7 @@ namespace isobath::app {
 
 std::optional<Scenario> vehicle_group_of(const RunRequest& request) {
   if (!is_scene(request.input)) return std::nullopt;
-  Scenario scenario = open_scenario(request.input);
+  Scenario scenario = request.scenario ? *request.scenario : open_scenario(request.input);
   if (scenario.scene.group.empty()) return std::nullopt;
   return scenario;
 }

@@ -192,6 +192,7 @@ int act(RunCommandOptions& options) {
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
     progress.show(source.bytes_read, source.bytes_total, counts.pings + counts.ranges + counts.swaths);
   };
+  if (!options.conditions().empty() && !options.json) fmt::print("{}\n", printable_text(options.conditions(), 1000));
   if (const auto scenario = vehicle_group_of(request)) {
     const GroupOutcome outcome = run_group(request, *scenario);
     progress.clear();
@@ -222,6 +223,7 @@ Action add_run(CLI::App& program) {
       ->check(reads())
       ->default_str("the embedded scene");
   options->add_to(*command, "out/run");
+  options->add_suite_to(*command);
   add_json_flag(*command, options->json);
   CLI::Option* live = command
                           ->add_flag("--live", options->live,
@@ -237,6 +239,7 @@ Action add_run(CLI::App& program) {
       ->group("Run");
   add_example(*command, "run dive.bin --out out/dive");
   add_example(*command, "run survey/ --map lake --set input.sound_speed=1480");
+  add_example(*command, "run --suite bridge --set simulation.seed=742");
   add_example(*command, "run scenarios/simulated_mission_1.toml --record mission.mcap --json");
   return [options] { return act(*options); };
 }

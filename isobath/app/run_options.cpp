@@ -1,9 +1,13 @@
 #include <cstdio>
+#include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/printable_text.hpp>
+#include <isobath/evaluation/evaluation_suite.hpp>
+#include <isobath/evaluation/fault_injection_check.hpp>
+#include <utility>
 
 namespace isobath::app {
 
@@ -42,6 +46,27 @@ void RunOptions::add_to(CLI::App& command, const std::string& out) {
   config.add_to(command);
 }
 
+void RunOptions::add_suite_to(CLI::App& command) {
+  CLI::Option* suite =
+      command
+          .add_option(
+              "--suite", suite_,
+              "A run of this suite of isobath eval instead of INPUT; its seed is simulation.seed or the suite's")
+          ->type_name("SUITE")
+          ->check(such_as(embedded_suites, true))
+          ->excludes(command.get_option("INPUT"))
+          ->group("Input");
+  command.add_option("--variant", variant_, "Only this variant of the suite")
+      ->type_name("NAME")
+      ->needs(suite)
+      ->group("Input");
+  command.add_option("--replay", replay_, "Recording of ships for a suite that replays one (.csv)")
+      ->type_name("FILE")
+      ->check(reads())
+      ->needs(suite)
+      ->group("Input");
+}
+
 RunRequest& RunOptions::read() {
   if (!model_.empty()) config.settings.push_back("sensor.model=" + model_);
   if (!set_.empty()) config.settings.push_back("input.set=" + set_);
@@ -49,7 +74,22 @@ RunRequest& RunOptions::read() {
   request.configuration = config.read();
   check_output_folder(request.out, "--out");
   if (!request.record.empty()) make_parent(request.record);
+  if (!suite_.empty()) take_suite_run();
   return request;
+}
+
+void RunOptions::take_suite_run() {
+  request.input = find_suite(suite_, request.out / "inputs");
+  Suite suite = load_suite(request.input);
+  if (!variant_.empty()) select_variants(suite, variant_);
+  load_recording(suite, replay_);
+  SimulationConfig& simulation = request.configuration.simulation;
+  if (simulation.seed < 0) simulation.seed = suite.about.seed;
+  SuiteRun run = make_run(suite, load_scenes(suite), static_cast<std::uint64_t>(simulation.seed));
+  if (run.row) request.configuration = proving(*run.row, request.configuration);
+  conditions_ = fmt::format("{}, seed {}: {}{}", suite.about.title, run.seed,
+                            run.variant.empty() ? "" : run.variant + "; ", run.conditions);
+  request.scenario = std::move(run.scenario);
 }
 
 int conclude(const RunRequest& request, const RunOutcome& outcome) {

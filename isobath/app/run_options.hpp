@@ -14,11 +14,17 @@ struct RunOptions {
 
   /// `out`: the default folder of the results.
   void add_to(CLI::App& command, const std::string& out);
+  /// The options for a run of a suite. `command` has the option INPUT.
+  void add_suite_to(CLI::App& command);
   /// The request, with its configuration. Throws Error.
   RunRequest& read();
+  /// What the run of a suite drew; empty: it is none.
+  [[nodiscard]] const std::string& conditions() const { return conditions_; }
 
  private:
-  std::string model_, set_;
+  void take_suite_run();
+
+  std::string model_, set_, suite_, variant_, replay_, conditions_;
   int pass_ = 0;
 };
 

@@ -181,6 +181,7 @@ Action add_serve(CLI::App& program) {
       ->check(reads())
       ->default_str("the embedded scene");
   options->add_to(*command, "out/serve");
+  options->add_suite_to(*command);
   command
       ->add_flag("--json", options->json, "JSON on standard output: a line when the page is up, another after the run")
       ->group("Output");
@@ -196,6 +197,7 @@ Action add_serve(CLI::App& program) {
       ->group("Run");
   add_example(*command, "serve");
   add_example(*command, "serve scenarios/simulated_mission_1.toml --speed 2 --port 0");
+  add_example(*command, "serve --suite pandan --set simulation.seed=7");
   add_example(*command, "serve out/serve/recording.mcap");
   return [options] { return serve(*options); };
 }

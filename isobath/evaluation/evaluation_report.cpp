@@ -179,6 +179,14 @@ std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& 
   return fmt::format("isobath eval {} --runs 1 --seed {}{}{}", request.suite.name, run.seed, variant, replay);
 }
 
+/// The command that runs it with all its maps and shows it on the live page.
+std::string how_to_watch(const EvaluationRequest& request, const ScoredRun& run) {
+  const std::string variant = run.variant.empty() ? "" : " --variant " + run.variant;
+  const std::string replay = request.suite.replay.on ? " --replay " + request.suite.replay.file : "";
+  return fmt::format("isobath serve --suite {}{}{} --set simulation.seed={}", request.suite.name, variant, replay,
+                     run.seed);
+}
+
 /// Distributions of the runs.
 void show_distributions(const EvaluationRequest& request, const Evaluation& evaluation, HtmlReport& page) {
   page.begin_row();
@@ -271,7 +279,8 @@ std::string to_json(const EvaluationRequest& request, const Evaluation& evaluati
                      {"variant", run.variant},
                      {"what", verdict(run.scores.front())},
                      {"conditions", run.conditions},
-                     {"again", how_to_run_again(request, run)}});
+                     {"again", how_to_run_again(request, run)},
+                     {"watch", how_to_watch(request, run)}});
   }
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -337,7 +346,8 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     const auto [result, group] = done != evaluation.worst.end() ? done->second : run_again(request, run);
     const std::string title = fmt::format("seed {}", scored.seed);
     page.figure(group ? draw_group(*group, title) : run_picture(run, RunTruth(request.suite, run), result, title),
-                fmt::format("{}. To repeat it: {}", conditions_of(scored), how_to_run_again(request, scored)));
+                fmt::format("{}. To repeat it: {}. To watch it: {}", conditions_of(scored),
+                            how_to_run_again(request, scored), how_to_watch(request, scored)));
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
     std::string decisions;
     for (const Decision& d : result.decisions) {

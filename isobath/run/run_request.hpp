@@ -7,6 +7,7 @@
 #include <isobath/display/display_state.hpp>
 #include <isobath/display/viewer_feed.hpp>
 #include <isobath/onboard/pipeline.hpp>
+#include <isobath/scenario/scenario.hpp>
 #include <optional>
 
 namespace isobath {
@@ -28,6 +29,7 @@ class Aboard;
 
 struct RunRequest {
   std::filesystem::path input;              ///< log, folder of frames, or scene (.toml); empty: the embedded scene
+  std::optional<Scenario> scenario = {};    ///< a run of a suite, whose file is `input`; empty: the scene of `input`
   std::optional<std::size_t> vehicle = {};  ///< the vehicle of a scene with a group (Scenario::of_vehicle)
   std::filesystem::path out;                ///< created if absent
   std::filesystem::path map;                ///< folder of a depth map to continue or to begin; empty: none is stored

@@ -53,7 +53,7 @@ std::vector<std::string> checked_priors(const RunRequest& request) {
 /// The scenario, if the input is one.
 std::optional<Scenario> scenario_of_input(const RunRequest& request) {
   if (request.aboard || !is_scene(request.input)) return std::nullopt;
-  Scenario scenario = open_scenario(request.input);
+  Scenario scenario = request.scenario ? *request.scenario : open_scenario(request.input);
   return request.vehicle ? scenario.of_vehicle(*request.vehicle) : std::move(scenario);
 }
 
