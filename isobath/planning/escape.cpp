@@ -16,9 +16,10 @@ constexpr double kStep = 0.25;       // s
 constexpr double kNearer = 0.1;      // m that a vehicle too near at the start may come nearer
 constexpr double kLeaving = 0.2;     // m/s at which it must then get away
 constexpr double kPlenty = 2;        // times the wanted room: more is no better
+constexpr double kAsMuch = 0.8;      // share of the most room that an escape towards the goal may have instead
 constexpr double kRound = 100 * pi;  // rad: more than any horizon holds
 /// The small ones find the way through a gap: at 15 m before a gap of 4 m, 30 degrees miss it.
-constexpr std::array<double, 10> kTurns = {pi / 36, pi / 18,    pi / 10,    pi / 6, pi / 3,
+constexpr std::array<double, 11> kTurns = {pi / 36, pi / 18,    pi / 10,    pi / 6, pi / 4, pi / 3,
                                            pi / 2,  2 * pi / 3, 5 * pi / 6, pi,     kRound};
 constexpr std::array<double, 3> kWaits = {0, 1.5, 3};  // s
 
@@ -77,7 +78,28 @@ Escape EscapeSearch::try_turn(State state, double turn, double wait_s) const {
   return escape;
 }
 
-Escape EscapeSearch::best(const State& state) const {
+/// Between the direction in which an escape ends and the wanted one, rad.
+double EscapeSearch::off_course(const Escape& escape) const {
+  return std::abs(escape.turn) > 2 * pi ? pi : std::abs(std::remainder(escape.turn - *task_.towards, 2 * pi));
+}
+
+Escape EscapeSearch::best() const {
+  const State now{.rate = task_.turn_now};
+  const Escape safest_of_all = safest(now);
+  if (!task_.towards || !free(safest_of_all)) return safest_of_all;
+  const double enough = kAsMuch * std::min(safest_of_all.room_m, kPlenty * task_.room_m);
+  Escape best = safest_of_all;
+  for (const double turn : kTurns) {
+    for (const double side : {turn, -turn}) {
+      if (off_course({.turn = side}) >= off_course(best)) continue;
+      const Escape other = try_turn(now, side, 0);
+      if (free(other) && other.room_m >= enough) best = other;
+    }
+  }
+  return best;
+}
+
+Escape EscapeSearch::safest(const State& state) const {
   const double plenty = kPlenty * task_.room_m;
   Escape best = try_turn(state, 0, 0);
   const auto offer = [&](double turn, double wait_s) {
@@ -104,7 +126,7 @@ Escape EscapeSearch::after(double ordered, double after_s) const {
     const auto met = met_at(state, s + kStep, least2);
     if (met) return {0, 0, s, std::sqrt(least2), met};
   }
-  return best(state);
+  return safest(state);
 }
 
 }  // namespace isobath

@@ -31,6 +31,7 @@ struct EscapeTask {
   double room_m = 2;                                ///< wanted distance from the vehicle's middle to a point
   double horizon_s = 15;                            ///< how long a manoeuvre must be free
   double moving_s = 3;                              ///< the same of points that move: later their place is not known
+  std::optional<double> towards = {};               ///< rad: where the vehicle wants to go; empty: anywhere
 };
 
 /// Holds its heading for `wait_s`, turns by `turn` (a full circle or more: circles), then goes straight on.
@@ -62,8 +63,9 @@ class EscapeSearch {
   /// the heading that the vehicle then has.
   [[nodiscard]] Escape after(double ordered, double after_s) const;
   /// The best escape now: the one that is free longest; of equal ones the one with the most room, up to twice the
-  /// wanted room; of equal ones the smallest turn, the soonest.
-  [[nodiscard]] Escape best() const { return best(State{.rate = task_.turn_now}); }
+  /// wanted room; of equal ones the smallest turn, the soonest. Of the free ones with nearly as much room, the one that
+  /// ends nearest to the direction `towards`: before a row of pylons, the turn through the gap and not along the row.
+  [[nodiscard]] Escape best() const;
 
  private:
   struct State {
@@ -74,7 +76,8 @@ class EscapeSearch {
   };
   void step(State& state, double heading) const;
   [[nodiscard]] Escape try_turn(State state, double turn, double wait_s) const;
-  [[nodiscard]] Escape best(const State& state) const;
+  [[nodiscard]] Escape safest(const State& state) const;
+  [[nodiscard]] double off_course(const Escape& escape) const;
   /// The point that it is too near to after `s` seconds, with the current from astern or without; `least2` becomes the
   /// minimum squared distance to any point.
   [[nodiscard]] std::optional<Eigen::Vector2d> met_at(const State& state, double s, double& least2) const;

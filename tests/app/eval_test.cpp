@@ -1,3 +1,4 @@
+#include <fstream>
 #include <gtest/gtest.h>
 #include <isobath/mission/safety/fault_table.hpp>
 #include <nlohmann/json.hpp>
@@ -54,6 +55,36 @@ TEST_F(Eval, RunsOneOfManyAlone) {
   const auto json = nlohmann::json::parse(eval("", {"--json", "--runs", "5", "--seed", "30", "--only", "4"}).out);
   EXPECT_EQ(json["runs"], 1);
   EXPECT_EQ(json["first_seed"], 34);
+}
+
+// The report and results.json name the command that shows a run on the live page; run takes the same options.
+TEST_F(Eval, NamesTheCommandThatShowsARunAndItIsTheSameRun) {
+  const auto json =
+      nlohmann::json::parse(eval("[vary]\nstart = [1, 2]\ncurrent = 0.2\n", {"--json", "--alone", "--seed", "34"}).out);
+  ASSERT_EQ(json["worst"].size(), 1U);
+  EXPECT_EQ(json["worst"][0]["watch"], "isobath serve --suite small --set simulation.seed=34");
+  const fs::path out = folder_ / "watched";
+  const ProgramResult shown = isobath(
+      {"run", "--suite", (folder_ / "small.toml").string(), "--set", "simulation.seed=34", "--out", out.string()});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("seed 34: start at north "));
+  EXPECT_THAT(shown.out, HasSubstr(json["worst"][0]["conditions"].get<std::string>()));
+  std::ifstream runs(folder_ / "out" / "runs.jsonl");
+  const auto scored = nlohmann::json::parse(runs);
+  const auto mission = json_of(out / "mission.json");
+  EXPECT_NEAR(mission["truth"]["least_clearance_m"], scored["scores"][0]["min_clearance_m"], 1e-6);
+  EXPECT_TRUE(fs::exists(out / "voxels.png") || fs::exists(out / "occupancy.png")) << "with the pictures of a run";
+}
+
+TEST_F(Eval, ARunOfASuiteTakesNoOtherInput) {
+  const ProgramResult both = isobath({"run", "scene.toml", "--suite", "bridge"});
+  EXPECT_EQ(both.exit_code, 2);
+  const ProgramResult none = isobath({"run", "--suite", "brigde"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("bridge"));
+  const ProgramResult strait = isobath({"run", "--suite", "strait", "--out", (folder_ / "strait").string()});
+  EXPECT_EQ(strait.exit_code, 2);
+  EXPECT_THAT(strait.err, HasSubstr("--replay FILE"));
 }
 
 // Two ships on the same line, 15 m/s; lengths by 30 and times by 3.

@@ -70,6 +70,24 @@ TEST(EscapeSearch, TurnsToTheSideThatIsOpen) {
   }
 }
 
+// Along a row of pylons to the left there is as much room as through the gap to the right, which leads to the goal.
+// Without a goal it takes the one that has a little more.
+TEST(EscapeSearch, TakesTheGapThatLeadsToTheGoalAndNotTheWayAlongTheRow) {
+  EscapeTask t = task();
+  const std::vector<ObstaclePoint> pylons = {{{16, -8}}, {{14, 0}}, {{9, 9}}};
+  const Escape anywhere = EscapeSearch(pylons, t).best();
+  t.towards = pi / 6;
+  const EscapeSearch search(pylons, t);
+  EXPECT_FALSE(search.free(search.try_turn(0))) << "a pylon stands ahead";
+  const Escape through = search.best();
+  EXPECT_TRUE(search.free(through));
+  EXPECT_GT(through.turn, 0);
+  EXPECT_LT(through.turn, pi / 3);
+  EXPECT_GE(through.room_m, 0.8 * std::min(anywhere.room_m, 2 * t.room_m) - 1e-9);
+  t.towards = -pi / 6;
+  EXPECT_LT(EscapeSearch(pylons, t).best().turn, 0) << "to the other side, if the goal lies there";
+}
+
 // A circle of 5 m to one side, what it takes to begin it, and the room beside: so wide must an alley be on either side.
 TEST(EscapeSearch, AnAlleyWithoutRoomToTurnHasNoWayOut) {
   const auto alley = [](double half_width) {

@@ -11,13 +11,14 @@
 namespace isobath {
 namespace {
 
-constexpr std::int64_t kCellsAcross = 3;  // per `confirm_m`: the places of echoes must be resolved finer than that
-constexpr double kFarthest = 1e8;         // m from the origin: farther places are invalid
-constexpr double kStraight = 1e-6;        // 1/m
-constexpr double kBeamHigh_m = 1;         // above and below its axis: where a beam is as high, it looks at an echo
-constexpr double kClearly = 4;            // times the chance of noise: what a body gives at least
-constexpr double kAlways = 0.95;          // largest share of the looks
-constexpr double kCounted_s = 120;        // in which the counts of false echoes fall to 1 / e
+constexpr std::int64_t kCellsAcross = 3;   // per `confirm_m`: the places of echoes must be resolved finer than that
+constexpr double kFarthest = 1e8;          // m from the origin: farther places are invalid
+constexpr double kStraight = 1e-6;         // 1/m
+constexpr double kBeamHigh_m = 1;          // above and below its axis: where a beam is as high, it looks at an echo
+constexpr double kClearly = 4;             // times the chance of noise: what a body gives at least
+constexpr double kAlways = 0.95;           // largest share of the looks
+constexpr std::size_t kMaxSectors = 2000;  // more than two sonars make in the longest time
+constexpr double kCounted_s = 120;         // in which the counts of false echoes fall to 1 / e
 
 /// How the beams of one ping look at a place.
 struct Look {
@@ -105,6 +106,7 @@ double total(const Evidence& evidence) {
 void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s) {
   if (!ping.X_WL.is_finite()) return;
   const bool looks = has_beams(ping);
+  if (looks) note_sector(ping, config.confirm_s, now_s);
   for (const Eigen::Vector2d& echo : ping.echoes_L) {
     const int beams = looks && echo.allFinite() ? look_at(ping, echo, config.confirm_m).beams : 0;
     Evidence gain = kUnknownLook;
@@ -112,7 +114,7 @@ void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig
       const int echoes = echoes_near(ping, echo, config.confirm_m);
       gain = Gains(beams, echoes, false_echoes_per_m(), config.confirm_m).echo;
     }
-    take(echo, ping.X_WL, reach_m, gain, config, now_s);
+    take(echo, ping.X_WL, reach_m, gain, beams > 0 ? looks_at(ping, echo, config.confirm_m) : 0, config, now_s);
   }
   if (looks) look(ping, reach_m, config, now_s);
   bound(config, now_s);
@@ -121,16 +123,37 @@ void NearEchoes::add(const SonarEchoes& ping, double reach_m, const SafetyConfig
 void NearEchoes::add(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
                      double now_s) {
   if (!X_WL.is_finite()) return;
-  take(echo_L, X_WL, reach_m, kUnknownLook, config, now_s);
+  take(echo_L, X_WL, reach_m, kUnknownLook, 0, config, now_s);
   bound(config, now_s);
 }
 
-void NearEchoes::take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain,
+void NearEchoes::note_sector(const SonarEchoes& ping, double within_s, double now_s) {
+  const auto begun = [&](const Sector& sector) { return sector.time_s < now_s - within_s || sector.time_s > now_s; };
+  while (!sectors_.empty() && (sectors_.size() >= kMaxSectors || begun(sectors_.front()))) sectors_.pop_front();
+  const std::vector<Angle>& beams = ping.fan->azimuth;
+  if (beams.empty()) return;
+  const double first = beams.front().radians() - 0.5 * ping.fan->width.front().radians();
+  const double last = beams.back().radians() + 0.5 * ping.fan->width.back().radians();
+  const double ahead = (ping.X_WL.rotation.heading() + ping.boresight_L).radians();
+  sectors_.push_back({now_s, ahead + 0.5 * (first + last), 0.5 * (last - first)});
+}
+
+/// The pings of the last `confirm_s`, this one with them, that had a beam within `apart_m` of the echo.
+int NearEchoes::looks_at(const SonarEchoes& ping, const Eigen::Vector2d& echo_L, double apart_m) const {
+  const Eigen::Vector2d way = echo_L - ping.sonar_L;
+  const double azimuth = std::atan2(way.y(), way.x()) + ping.X_WL.rotation.heading().radians();
+  const double aside = std::asin(std::min(1.0, apart_m / std::max(way.norm(), apart_m)));
+  return static_cast<int>(std::ranges::count_if(sectors_, [&](const Sector& sector) {
+    return std::abs(std::remainder(azimuth - sector.middle, 2 * std::numbers::pi)) <= sector.half + aside;
+  }));
+}
+
+void NearEchoes::take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain, int looks,
                       const SafetyConfig& config, double now_s) {
   cell_m_ = config.confirm_m / kCellsAcross;
   if (!echo_L.allFinite() || !(echo_L.norm() <= reach_m)) return;
   const Eigen::Vector2d place = (X_WL * Eigen::Vector3d(echo_L.x(), echo_L.y(), 0)).head<2>();
-  if (place.allFinite() && place.cwiseAbs().maxCoeff() < kFarthest) put(place, gain, config, now_s);
+  if (place.allFinite() && place.cwiseAbs().maxCoeff() < kFarthest) put(place, gain, looks, config, now_s);
 }
 
 /// Removes the oldest where there are too many.
@@ -142,7 +165,8 @@ void NearEchoes::bound(const SafetyConfig& config, double now_s) {
   }
 }
 
-void NearEchoes::put(const Eigen::Vector2d& place_W, const Evidence& gain, const SafetyConfig& config, double now_s) {
+void NearEchoes::put(const Eigen::Vector2d& place_W, const Evidence& gain, int looks, const SafetyConfig& config,
+                     double now_s) {
   const Key key{static_cast<std::int64_t>(std::floor(place_W.x() / cell_m_)),
                 static_cast<std::int64_t>(std::floor(place_W.y() / cell_m_))};
   Echo echo{place_W, now_s, now_s};
@@ -156,12 +180,10 @@ void NearEchoes::put(const Eigen::Vector2d& place_W, const Evidence& gain, const
       if (!((other->second.place_W - place_W).norm() <= config.confirm_m)) continue;
       near.push_back(&other->second);
       echo.evidence = greater(echo.evidence, other->second.evidence);
-      echo.take_looks_of(other->second);
     }
   }
   const auto known = cells_.find(key);
-  if (known != cells_.end()) echo.take_looks_of(known->second);
-  const double needed = kEnough + std::log(std::max(1.0, echo.looks / kFewLooks));
+  const double needed = kEnough + std::log(std::max(1.0, looks / kFewLooks));
   for (std::size_t i = 0; i < gain.size(); ++i)
     echo.evidence[i] = std::min(echo.evidence[i] + gain[i], needed + kMostEvidence);
   if (known != cells_.end()) {
@@ -199,7 +221,6 @@ void NearEchoes::look(const SonarEchoes& ping, double reach_m, const SafetyConfi
     Echo& echo = cell->second;
     const Eigen::Vector3d place_W(echo.place_W.x(), echo.place_W.y(), ping.X_WL.translation.z());
     const Look looked = look_at(ping, (X_LW * place_W).head<2>(), config.confirm_m);
-    if (looked.beams > 0) echo.count_look(now_s, config.confirm_s);
     if (looked.beams > 0 && echo.heard_s < now_s) {
       const Evidence less = Gains(looked.beams, 1, false_per_m, config.confirm_m).silence;
       for (std::size_t i = 0; i < less.size(); ++i) echo.evidence[i] = std::max(0.0, echo.evidence[i] + less[i]);

@@ -10,10 +10,11 @@
 // that of a buoy, of a post or of a wall (kBodies), and at least 4 l(1). For each b, m echoes of a look add ln(b /
 // l(m)), at most kMostEvidence, to what the strongest echo near them has, and a look without one adds ln((1 - b) / (1 -
 // l(1))), down to 0; the evidence is that of the mean of the three likelihood ratios. kEnough confirms them, and one
-// look alone never gives it. Noise reaches it in one of some 250 tries, and each look is a try: where n looks fall into
-// `confirm_s`, the evidence must be greater by ln(n / kFewLooks), so that noise is confirmed no more often where a
-// sonar looks more often. Two looks in a row are enough; so is one in each of two sweeps where false echoes are rare;
-// clutter takes more. An echo of which no look is known (a range sonar) counts kMostEvidence.
+// look alone never gives it. Noise reaches it in one of some 250 tries, and each look is a try: where n looks fell into
+// the last `confirm_s`, with an echo or without, the evidence must be greater by ln(n / kFewLooks), so that noise is
+// confirmed no more often where a sonar looks more often. Two looks in a row are enough; so is one in each of two
+// sweeps where false echoes are rare; clutter takes more. An echo of which no look is known (a range sonar) counts
+// kMostEvidence.
 //
 // The density of false echoes is measured: those that are not confirmed, or were and fell silent, over the metres of
 // beam within reach, of some two minutes. It starts high, as if kFirst_m had held kFirst: what is confirmed wrongly is
@@ -32,8 +33,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <deque>
 #include <Eigen/Core>
 #include <isobath/geometry/pose.hpp>
 #include <isobath/mission/messages/messages.hpp>
@@ -87,30 +88,25 @@ class NearEchoes {
     double heard_s = 0;
     double counts_s = 0;  ///< when last received, or nearer than the blanking distance
     Evidence evidence{};  ///< log-likelihood ratios of each kind of body to noise
-    double looks = 0;     ///< at its place, of about the last `confirm_s`
-    double looked_s = 0;  ///< when the last of them was
     bool confirmed = false;
     int silent_looks = 0;  ///< since last received
-
-    void count_look(double now_s, double within_s) {
-      looks = 1 + looks * std::exp(-(now_s - looked_s) / within_s);
-      looked_s = now_s;
-    }
-    void take_looks_of(const Echo& other) {
-      if (other.looks <= looks) return;
-      looks = other.looks;
-      looked_s = other.looked_s;
-    }
   };
-  void take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain,
+  /// Where a ping looked: the middle of its beams in W, and half of the sector, rad.
+  struct Sector {
+    double time_s, middle, half;
+  };
+  void take(const Eigen::Vector2d& echo_L, const Pose& X_WL, double reach_m, const Evidence& gain, int looks,
             const SafetyConfig& config, double now_s);
-  void put(const Eigen::Vector2d& place_W, const Evidence& gain, const SafetyConfig& config, double now_s);
+  void put(const Eigen::Vector2d& place_W, const Evidence& gain, int looks, const SafetyConfig& config, double now_s);
+  void note_sector(const SonarEchoes& ping, double within_s, double now_s);
+  [[nodiscard]] int looks_at(const SonarEchoes& ping, const Eigen::Vector2d& echo_L, double apart_m) const;
   void look(const SonarEchoes& ping, double reach_m, const SafetyConfig& config, double now_s);
   void count_metres(const SonarEchoes& ping, double reach_m, double now_s);
   void bound(const SafetyConfig& config, double now_s);
   void forget(double before_s);
 
   std::map<Key, Echo> cells_;
+  std::deque<Sector> sectors_;  ///< of the pings of the last `confirm_s`, the newest last
   double cell_m_ = 1;
   double false_echoes_ = 0, looked_m_ = 0;  ///< of the last minutes
   double counted_s_ = 0;
