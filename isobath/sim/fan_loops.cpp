@@ -152,7 +152,8 @@ HWY_ATTR void add_echo(const SpreadEcho& e, int first, int last, float* power, f
   for (int k = first; k <= last; k += lanes) {  // lanes beyond the last bin have no share
     const auto at = hn::Iota(d, static_cast<double>(k));
     const auto share = hn::Max(hn::Sub(hn::Min(far, hn::Add(at, one)), hn::Max(near, at)), zero);
-    const auto lean = hn::Sub(one, hn::Mul(slope, hn::Sub(hn::Add(at, half), middle)));
+    // Not below 0: processors differ in which zero is the larger one, and no echo has a negative power.
+    const auto lean = hn::Max(hn::Sub(one, hn::Mul(slope, hn::Sub(hn::Add(at, half), middle))), zero);
     const auto value = hn::DemoteTo(df, hn::Mul(hn::Mul(height, share), lean));
     const auto before = hn::LoadU(df, strongest + k);
     const auto old = hn::PromoteTo(di, hn::LoadU(du, labels + k));
