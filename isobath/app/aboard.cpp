@@ -179,6 +179,9 @@ int aboard(AboardCommand& options) {
   if (request.record.empty()) request.record = request.out / "recording.mcap";
   check_output_is_no_input(request.record, {request.input}, "--record");
   make_parent(request.record);
+  constexpr double kPlacedAtOnce_s = 0.15;  // a fix of the autopilot comes every 0.1 s
+  double& extrapolate_s = request.configuration.poses.extrapolate_s;
+  if (extrapolate_s < 0) extrapolate_s = kPlacedAtOnce_s;
   const VehicleFile file = load_vehicle_file(request.input.string());
   VehicleParameters vehicle = parameters_of(control_vehicle(file.model));
   if (file.autopilot.kind == FrontSeatKind::kMoos) vehicle.can_sway = false;  // MOOS has no variable for it

@@ -7,6 +7,10 @@ namespace isobath {
 std::vector<Field> fields(PoseBufferConfig& c) {
   return {Field::real("wait_s", &c.wait_s, {0, 60}, "s",
                       "How long, in log time, a ping waits for the fix that follows it."),
+          Field::real("extrapolate_s", &c.extrapolate_s, {-1, 1}, "s",
+                      "A measurement that comes no later than this after the newest fix is placed at once, with the "
+                      "velocity and the rate of turn so far, where the fix states a velocity; 0: it waits for the "
+                      "next fix. -1: 0.15 s aboard a vehicle, else 0."),
           Field::real("max_extrapolation_s", &c.max_extrapolation_s, {0, 60}, "s",
                       "Maximum time beyond the newest fix for which a pose is extrapolated with the last velocity."),
           Field::real("max_gap_s", &c.max_gap_s, {0, 3600}, "s",
@@ -84,6 +88,21 @@ Eigen::Vector3d PoseBuffer::jump_to(const Navigation& fix) const {
   return *jump;
 }
 
+/// From the last two fixes, in the body, rad/s; empty where they lie too far apart to say what it is now.
+std::optional<Eigen::Vector3d> PoseBuffer::rate_of_turn() const {
+  constexpr double kApart_s = 0.5;
+  if (count_ < 2) return std::nullopt;
+  const double dt = to_seconds(newest().time - fix(1).time);
+  if (!(dt > 0 && dt <= kApart_s)) return std::nullopt;
+  return (fix(1).X_WB.rotation.inverse() * newest().X_WB.rotation).log() / dt;
+}
+
+bool PoseBuffer::settled(Time time) const {
+  if (count_ == 0) return false;
+  const double ahead = to_seconds(time - newest().time);
+  return ahead <= 0 || (ahead <= config_.extrapolate_s && newest().v_WB && rate_of_turn());
+}
+
 Result<Pose, PoseFault> PoseBuffer::at(Time time) const {
   if (count_ == 0) return tl::make_unexpected(PoseFault::kNoFixYet);
   if (time >= newest().time) {
@@ -91,6 +110,9 @@ Result<Pose, PoseFault> PoseBuffer::at(Time time) const {
     if (ahead > config_.max_extrapolation_s) return tl::make_unexpected(PoseFault::kStale);
     Pose pose = newest().X_WB;
     if (newest().v_WB) pose.translation += ahead * *newest().v_WB;
+    const double turning_s = std::min(ahead, config_.extrapolate_s);
+    const std::optional<Eigen::Vector3d> rate = turning_s > 0 ? rate_of_turn() : std::nullopt;
+    if (rate) pose.rotation = pose.rotation * Rotation::exp(turning_s * *rate);
     return pose;
   }
   std::size_t age = 1;  // the newest fix at or before the time

@@ -1,8 +1,10 @@
 // PoseBuffer: the pose of the body at the transmit time of a ping, from the fixes around it (design, section 3).
 //
 // Between two fixes the pose is interpolated (straight line, shortest arc). After the newest fix it is extrapolated
-// with the velocity of that fix, for at most `max_extrapolation_s`. The buffer holds a bounded number of fixes; nothing
-// allocates after construction.
+// with the velocity of that fix, for at most `max_extrapolation_s`, and for the first `extrapolate_s` of it with the
+// rate of turn of the last two fixes: longer, the noise of a compass would turn it away. Within `extrapolate_s` such a
+// pose is good enough for a ping that must not wait for the next fix. The buffer holds a bounded number of fixes;
+// nothing allocates after construction.
 //
 // A fix is a jump if it lies farther than `jump_m` from any position that the vehicle can have reached. The reachable
 // positions follow from the velocity that the last fix states, or from the last two fixes, whichever explains more of
@@ -24,6 +26,7 @@ namespace isobath {
 
 struct PoseBufferConfig {
   double wait_s = 0.5;               ///< how long a ping waits for the next fix
+  double extrapolate_s = -1;         ///< after the newest fix, in which a ping does not wait; -1: as the run has it
   double max_extrapolation_s = 1.0;  ///< beyond the newest fix
   double max_gap_s = 5.0;            ///< between two fixes that are interpolated
   double jump_m = 1.0;               ///< distance from the predicted position beyond which a fix is a jump
@@ -43,8 +46,8 @@ class PoseBuffer {
   void move(const Eigen::Vector3d& by_W);
   void clear();
   [[nodiscard]] bool empty() const { return count_ == 0; }
-  /// Whether later fixes can no longer change the interpolated pose of this time.
-  [[nodiscard]] bool settled(Time time) const { return count_ > 0 && newest().time >= time; }
+  /// Whether later fixes can no longer change the pose of this time, or a measurement is not to wait for them.
+  [[nodiscard]] bool settled(Time time) const;
   [[nodiscard]] Result<Pose, PoseFault> at(Time time) const;
   /// Standard deviation of the horizontal position along the longer axis of its ellipse, m, as the newest fix states
   /// it; 0: not stated.
@@ -62,6 +65,7 @@ class PoseBuffer {
   }
   [[nodiscard]] const Navigation& newest() const { return fix(0); }
   [[nodiscard]] Eigen::Vector3d jump_to(const Navigation& fix) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> rate_of_turn() const;
 
   PoseBufferConfig config_;
   std::vector<Navigation> ring_;

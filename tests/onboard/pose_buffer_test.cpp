@@ -1,6 +1,8 @@
+#include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
+#include <numbers>
 #include <tests/support/events.hpp>
 #include <vector>
 
@@ -27,6 +29,31 @@ TEST(PoseBuffer, CarriesOnWithTheLastVelocityForABoundedTime) {
   EXPECT_FALSE(poses.settled(at(0.5)));
   EXPECT_NEAR(poses.at(at(0.5))->translation.x(), 1, 1e-12);
   EXPECT_EQ(poses.at(at(1.5)).error(), PoseFault::kStale);
+}
+
+// On a circle at 30 degrees a second, with a fix each 0.1 s: a ping 0.08 s after the last one is placed at once, to a
+// centimetre and a tenth of a degree.
+TEST(PoseBuffer, PlacesAPingAtOnceWhereItsPoseIsKnownWellEnough) {
+  constexpr double kSpeed = 1, kRate = std::numbers::pi / 6;
+  const auto circling = [&](double t) {
+    Navigation fix = fix_at(t, kSpeed / kRate * std::sin(kRate * t), 30 * t);
+    fix.X_WB.translation.y() = kSpeed / kRate * (1 - std::cos(kRate * t));
+    fix.v_WB = kSpeed * Eigen::Vector3d(std::cos(kRate * t), std::sin(kRate * t), 0);
+    return fix;
+  };
+  PoseBuffer waits({.extrapolate_s = 0}), goes_on({.extrapolate_s = 0.15});
+  EXPECT_FALSE(goes_on.settled(at(0)));
+  goes_on.add(circling(0));
+  EXPECT_FALSE(goes_on.settled(at(0.05))) << "the rate of turn is not known yet";
+  for (double t = 0.1; t < 2.05; t += 0.1) waits.add(circling(t)), goes_on.add(circling(t));
+  EXPECT_FALSE(waits.settled(at(2.08)));
+  EXPECT_TRUE(goes_on.settled(at(2.08)));
+  EXPECT_FALSE(goes_on.settled(at(2.2)));
+  const Pose truth = circling(2.08).X_WB;
+  EXPECT_NEAR((goes_on.at(at(2.08))->translation - truth.translation).norm(), 0, 0.01);
+  EXPECT_NEAR(goes_on.at(at(2.08))->rotation.heading().degrees(), truth.rotation.heading().degrees(), 0.1);
+  EXPECT_NEAR(waits.at(at(2.08))->rotation.heading().degrees(), 60, 0.1);
+  EXPECT_NEAR(goes_on.at(at(2.9))->rotation.heading().degrees(), 60 + 30 * 0.15, 0.1) << "and turns no further";
 }
 
 TEST(PoseBuffer, NamesWhyThereIsNoPose) {
