@@ -173,18 +173,20 @@ std::string verdict(const RunScore& s) {
   return text;
 }
 
-std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& run) {
+/// Which variant and which recording it needs.
+std::string options_of(const EvaluationRequest& request, const ScoredRun& run) {
   const std::string variant = run.variant.empty() ? "" : " --variant " + run.variant;
-  const std::string replay = request.suite.replay.on ? " --replay " + request.suite.replay.file : "";
-  return fmt::format("isobath eval {} --runs 1 --seed {}{}{}", request.suite.name, run.seed, variant, replay);
+  return variant + (request.suite.replay.on ? " --replay " + request.suite.replay.file : "");
+}
+
+std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& run) {
+  return fmt::format("isobath eval {} --runs 1 --seed {}{}", request.suite.name, run.seed, options_of(request, run));
 }
 
 /// The command that runs it with all its maps and shows it on the live page.
 std::string how_to_watch(const EvaluationRequest& request, const ScoredRun& run) {
-  const std::string variant = run.variant.empty() ? "" : " --variant " + run.variant;
-  const std::string replay = request.suite.replay.on ? " --replay " + request.suite.replay.file : "";
-  return fmt::format("isobath serve --suite {}{}{} --set simulation.seed={}", request.suite.name, variant, replay,
-                     run.seed);
+  return fmt::format("isobath serve --suite {}{} --set simulation.seed={}", request.suite.name,
+                     options_of(request, run), run.seed);
 }
 
 /// Distributions of the runs.

@@ -17,7 +17,7 @@ constexpr double kStraight = 1e-6;         // 1/m
 constexpr double kBeamHigh_m = 1;          // above and below its axis: where a beam is as high, it looks at an echo
 constexpr double kClearly = 4;             // times the chance of noise: what a body gives at least
 constexpr double kAlways = 0.95;           // largest share of the looks
-constexpr std::size_t kMaxSectors = 2000;  // more than two sonars make in the longest time
+constexpr std::size_t kMaxSectors = 2000;  // bounds the memory of looks
 constexpr double kCounted_s = 120;         // in which the counts of false echoes fall to 1 / e
 
 /// How the beams of one ping look at a place.
@@ -128,8 +128,8 @@ void NearEchoes::add(const Eigen::Vector2d& echo_L, const Pose& X_WL, double rea
 }
 
 void NearEchoes::note_sector(const SonarEchoes& ping, double within_s, double now_s) {
-  const auto begun = [&](const Sector& sector) { return sector.time_s < now_s - within_s || sector.time_s > now_s; };
-  while (!sectors_.empty() && (sectors_.size() >= kMaxSectors || begun(sectors_.front()))) sectors_.pop_front();
+  const auto is_over = [&](const Sector& sector) { return sector.time_s < now_s - within_s || sector.time_s > now_s; };
+  while (!sectors_.empty() && (sectors_.size() >= kMaxSectors || is_over(sectors_.front()))) sectors_.pop_front();
   const std::vector<Angle>& beams = ping.fan->azimuth;
   if (beams.empty()) return;
   const double first = beams.front().radians() - 0.5 * ping.fan->width.front().radians();

@@ -107,7 +107,7 @@ EscapeTask SafetyOfficer::escape_task(bool wary) const {
   task.horizon_s = config_.escape_s;
   task.moving_s = config_.escape_moving_s;
   task.room_m = vehicle_.hull_radius_m + config_.collision_margin_m;
-  if (way_ && action_.kind != SafetyActionKind::kSurface) {
+  if (way_ && way_->points.size() > 1 && action_.kind != SafetyActionKind::kSurface) {
     const Vector2d way = way_->points.back() - fix_->navigation.X_WB.translation.head<2>();
     task.towards = std::atan2(way.dot(aside), way.dot(ahead));
   }
