@@ -40,6 +40,7 @@ std::string speed_words(const ServeOptions& options) {
 }
 
 std::string input_words(const ServeOptions& options) {
+  if (!options.conditions().empty()) return printable_text(options.conditions(), 1000);
   return options.request.input.empty() ? "the embedded scene" : options.request.input.string();
 }
 
