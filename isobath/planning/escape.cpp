@@ -78,9 +78,9 @@ Escape EscapeSearch::try_turn(State state, double turn, double wait_s) const {
   return escape;
 }
 
-/// Between the direction in which an escape ends and the wanted one, rad.
-double EscapeSearch::off_course(const Escape& escape) const {
-  return std::abs(escape.turn) > 2 * pi ? pi : std::abs(std::remainder(escape.turn - *task_.towards, 2 * pi));
+/// Between the direction in which an escape by this turn ends and the wanted one, rad. Circles end in none.
+double EscapeSearch::off_course(double turn) const {
+  return std::abs(turn) > 2 * pi ? pi : std::abs(std::remainder(turn - *task_.towards, 2 * pi));
 }
 
 Escape EscapeSearch::best() const {
@@ -91,7 +91,7 @@ Escape EscapeSearch::best() const {
   Escape best = safest_of_all;
   for (const double turn : kTurns) {
     for (const double side : {turn, -turn}) {
-      if (off_course({.turn = side}) >= off_course(best)) continue;
+      if (off_course(side) >= off_course(best.turn)) continue;
       const Escape other = try_turn(now, side, 0);
       if (free(other) && other.room_m >= enough) best = other;
     }

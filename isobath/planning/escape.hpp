@@ -77,7 +77,7 @@ class EscapeSearch {
   void step(State& state, double heading) const;
   [[nodiscard]] Escape try_turn(State state, double turn, double wait_s) const;
   [[nodiscard]] Escape safest(const State& state) const;
-  [[nodiscard]] double off_course(const Escape& escape) const;
+  [[nodiscard]] double off_course(double turn) const;
   /// The point that it is too near to after `s` seconds, with the current from astern or without; `least2` becomes the
   /// minimum squared distance to any point.
   [[nodiscard]] std::optional<Eigen::Vector2d> met_at(const State& state, double s, double& least2) const;
